@@ -144,11 +144,16 @@ ReferencePilot::ReferencePilot(const Scene& scene, double accuracy, double piece
     finer_.run_to(motion_.samples());
     watched_ = motion_.stable() && finer_.stable() ? motion_.samples() : 0;
     judged_ = watched_;
+    judged_error_ = watched_error_ = with_safety_factor(own_error(watched_).of_any);
+    // the longest stretch that it can judge, or else the one that it knows best: the first samples are small, and rounding is large there
     const double good_enough = std::max(accuracy / 2, amplified_rounding / 10);
-    const auto judge = [this] { return with_safety_factor(own_error(judged_).of_any); };
-    for (judged_error_ = judge(); judged_ > min_samples && judged_error_ > good_enough;
-         judged_error_ = judge()) {
-        judged_ = std::max(min_samples, judged_ * 7 / 8);
+    for (std::size_t samples = watched_; judged_error_ > good_enough && samples > min_samples;) {
+        samples = std::max(min_samples, samples * 7 / 8);
+        const double error = with_safety_factor(own_error(samples).of_any);
+        if (error < judged_error_) {
+            judged_ = samples;
+            judged_error_ = error;
+        }
     }
 }
 

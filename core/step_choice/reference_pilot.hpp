@@ -94,6 +94,8 @@ public:
     double body_steps() const;
     /// Its own error over the stretch on which steps are chosen, relative L2 of the worst velocity; no trial is better.
     double error() const noexcept { return judged_error_; }
+    /// The same over all that it watches.
+    double watched_error() const noexcept { return watched_error_; }
     std::size_t spheres() const noexcept { return motion_.spheres(); }
     /// Over which steps are chosen [s].
     double duration_s() const noexcept { return static_cast<double>(judged_) / motion_.sample_rate_hz(); }
@@ -123,8 +125,9 @@ private:
     bool shortened_ = false;    // the chain is longer than the pilots'
     bool same_samples_ = true;  // the pilots' are those of the run
     double fit_amplification_ = 1;
-    double judged_error_ = 0;  // of the reference, over:
-    std::size_t judged_ = 0;   // the first of them, over which steps are chosen
+    double watched_error_ = 0;  // of the reference over these,
+    double judged_error_ = 0;   // and over:
+    std::size_t judged_ = 0;    // the first of them, over which steps are chosen
     std::int64_t steps_of_trials_ = 0;
 };
 

@@ -39,12 +39,12 @@ ReferencePilot reference_for(const Scene& scene, Resolution& result, const std::
     double piece_error = piece_error_for(accuracy);
     ReferencePilot reference(scene, accuracy, piece_error, stop);
     result.pilots = ReferencePilot::pilots;
-    while (reference.error() > good && reference.error() < chaotic_error &&
+    while (reference.watched_error() > good && reference.watched_error() < chaotic_error &&
            piece_error > finest_piece_error) {
         piece_error = std::max(piece_error / 10, finest_piece_error);
         ReferencePilot other(scene, accuracy, piece_error, stop);
         result.pilots += ReferencePilot::pilots;
-        const bool better = other.error() < helps * reference.error();
+        const bool better = other.watched_error() < helps * reference.watched_error();
         if (better) {
             std::swap(reference, other);
         }

@@ -30,11 +30,13 @@ enum class OnOverrun {
 };
 
 /// The taps to be computed for subscribers. Each new demand has a new generation. It distinguishes a block made after
-/// a subscriber came from an older one in the ring, made before another left.
-struct Demand {
+/// a subscriber came from an older one in the ring, made before another left. It is aligned to its size, so that every compiler reads
+/// and writes it without a lock.
+struct alignas(std::uint64_t) Demand {
     TapSet taps;
     std::uint32_t generation = 0;
 };
+static_assert(std::atomic<Demand>::is_always_lock_free);
 
 /// A slot of the ring.
 struct Block {

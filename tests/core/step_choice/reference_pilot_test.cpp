@@ -11,6 +11,7 @@
 #include "core/step_choice/step_advice.hpp"
 #include "hertzline/resolve.hpp"
 #include "hertzline/scene_file.hpp"
+#include "tests/support/judged_scene.hpp"
 #include "tests/support/reference.hpp"
 #include "tests/support/runs.hpp"
 
@@ -177,6 +178,31 @@ TEST(Estimate, IsNeverBelowWhatTheReferenceIsGoodFor) {
     const double own = reference.trial(Integrator::taylor12, reference.step_s()).error;
     EXPECT_GT(own, 1e-14);
     EXPECT_LT(own, 1e-9);
+}
+
+/// Kuwabara and Kono's damping has no derivative where spheres just touch: pieces have larger errors than foreseen.
+TEST(Estimate, AReferenceThatCannotJudgeTheAccuracyTakesShorterPieces) {
+    Scene scene = parse_scene(find_shipped_scene("paper-vitreous-carbon")->text, "scene")->scene;
+    scene.chain.spheres = 4;
+    scene.chain.preload_n = 0;
+    scene.chain.damping_law = DampingLaw::kuwabara_kono;
+    scene.chain.damping_time_s = 2.858e-8;
+    scene.drive.frequency_hz = 60950;
+    scene.drive.cycles = 1;
+    scene.drive.amplitude_m = 9e-8;
+    scene.drive.horn = HornModel::resonator;
+    scene.drive.horn_quality = 883;
+    scene.drive.horn_mass_kg = 7.38e-5;
+    scene.end.preload = PlatePreload::as_printed;
+    scene.end.thickness_m = 1.333e-3;
+    scene.output.duration_s = 0.3e-3;
+    const Truth truth = truth_of(scene);
+    for (const double accuracy : {1e-6, 1e-7}) {
+        const Judgement judgement = judged(scene, truth, accuracy);
+        EXPECT_LE(judgement.error, accuracy);
+        EXPECT_FALSE(judgement.warned);
+        EXPECT_LE(*judgement.estimate, accuracy);
+    }
 }
 
 TEST(Estimate, StepsPerBurstAreThoseThatARunTakes) {
