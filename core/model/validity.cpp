@@ -131,6 +131,18 @@ void warn_of_unused_keys(const Scene& scene, std::vector<std::string>& warnings)
     }
 }
 
+/// The same of keys that need a number.
+void warn_of_unused_numbers(const Scene& scene, std::vector<std::string>& warnings) {
+    const auto& chain = scene.chain;
+    const auto untouched = Scene().chain;
+    if (chain.impact_spheres != untouched.impact_spheres && chain.impact_velocity_m_per_s == 0) {
+        warnings.emplace_back("chain.impact_spheres has no effect without chain.impact_velocity_m_per_s");
+    }
+    if (chain.seed != untouched.seed && chain.tolerance == 0 && chain.preload_tolerance == 0) {
+        warnings.emplace_back("chain.seed has no effect without chain.tolerance or chain.preload_tolerance");
+    }
+}
+
 /// Lists that are longer than the chain.
 void warn_of_unused_entries(const Scene& scene, std::vector<std::string>& warnings) {
     const auto check = [&](const char* key, std::size_t entries) {
@@ -367,6 +379,7 @@ std::vector<std::string> validity_warnings(const Scene& scene, const Chain& chai
     std::vector<std::string> warnings;
     add_units(scene, warnings);
     warn_of_unused_keys(scene, warnings);
+    warn_of_unused_numbers(scene, warnings);
     warn_of_unused_entries(scene, warnings);
     add_plate(scene, chain, warnings);
     add_record(scene, warnings);

@@ -21,6 +21,9 @@ inline constexpr Need samples_of{"drive.kind", {"file", "live"}};
 inline constexpr Need live{"drive.kind", {"live"}};
 inline constexpr Need resonator{"drive.horn", {"resonator"}};
 inline constexpr Need tukey{"drive.envelope", {"tukey"}};
+inline constexpr Need dashpot{"chain.damping_law", {"dashpot"}};
+inline constexpr Need kuwabara_kono{"chain.damping_law", {"kuwabara_kono"}};
+inline constexpr Need tsuji{"chain.damping_law", {"tsuji"}};
 inline constexpr Hashed changed = Hashed::when_changed;
 inline constexpr std::string_view chosen = "the program's choice";
 
@@ -151,14 +154,20 @@ void visit_scene(AnyScene& scene, const Visit& visit) {
              {-1, 1, "", Bounds::open},
              "each sphere is smaller than the one before it by this part, beside its entry in the lists",
              {.hashed = changed}});
-        row(damping_kg_per_s,
-            {"damping_kg_per_s", {0, 1e9, "kg/s"}, R"(of each closed contact, with `"dashpot"`)"});
+        row(damping_kg_per_s, {"damping_kg_per_s",
+                               {0, 1e9, "kg/s"},
+                               R"(of each closed contact, with `"dashpot"`)",
+                               {.needs = dashpot}});
         row(damping_law, {"damping_law",
                           {},
                           "[how closed contacts lose energy](../docs/model.md#3-contacts)",
                           {.hashed = changed}});
-        row(damping_time_s, {"damping_time_s", {0, 1, "s"}, R"(A of `"kuwabara_kono"`, which needs it)"});
-        row(damping_alpha, {"damping_alpha", {0, 10}, "\u03b1 of `\"tsuji\"`, which needs it"});
+        row(damping_time_s, {"damping_time_s",
+                             {0, 1, "s"},
+                             R"(A of `"kuwabara_kono"`, which needs it)",
+                             {.needs = kuwabara_kono}});
+        row(damping_alpha,
+            {"damping_alpha", {0, 10}, "\u03b1 of `\"tsuji\"`, which needs it", {.needs = tsuji}});
         row(preload_n, {"preload_n", {0, 1e9, "N"}, "static force that presses the chain together"});
         row(tension, {"tension", {}, "whether damping may pull just before a contact opens"});
         row(gravity_m_per_s2, {"gravity_m_per_s2",
@@ -203,7 +212,8 @@ void visit_scene(AnyScene& scene, const Visit& visit) {
                                 {0, 1e15, "N/m"},
                                 "of the disc",
                                 {.unset = "from plate theory", .needs = plate}});
-        row(preload, {"preload", {}, "whether the disc starts in balance with the preload"});
+        row(preload,
+            {"preload", {}, "whether the disc starts in balance with the preload", {.needs = plate}});
         row(model, {"model",
                     {},
                     "the paper's mass on a spring, or [modes in a "
@@ -241,7 +251,8 @@ void visit_scene(AnyScene& scene, const Visit& visit) {
     {
         auto& [material, load] = scene.medium;
         const auto row = [&](auto& member, const KeyRow& facts) { visit("medium", member, facts); };
-        row(material, {"material", {}, "that the disc radiates into", {.sort = MaterialSort::fluid}});
+        row(material,
+            {"material", {}, "that the disc radiates into", {.needs = plate, .sort = MaterialSort::fluid}});
         row(load, {"load", {}, "effect on a modal plate", {.needs = modal, .hashed = changed}});
     }
     {
@@ -296,7 +307,10 @@ void visit_scene(AnyScene& scene, const Visit& visit) {
         row(accuracy,
             {"accuracy", {1e-15, 0.1}, "wanted relative error of the velocities", {.unset = chosen}});
         row(rest_tolerance, {"rest_tolerance", {0, 0.01}, "when a chain may sleep between bursts; 0: never"});
-        row(poles, {"poles", {16, 64}, "of a modal plate's response in its fluid", {.unset = "by accuracy"}});
+        row(poles, {"poles",
+                    {16, 64},
+                    "of a modal plate's response in its fluid",
+                    {.unset = "by accuracy", .needs = modal}});
     }
     {
         auto& [sample_rate_hz, duration_s, frame_samples, hydrophone_m, points_m] = scene.output;

@@ -10,7 +10,9 @@
 #include "core/model/drive.hpp"
 #include "core/model/end.hpp"
 #include "core/scene/elements.hpp"
+#include "core/scene/scene_key.hpp"
 #include "core/scene/scene_words.hpp"
+#include "core/scene/text.hpp"
 #include "core/step_choice/array_step.hpp"
 #include "core/step_choice/finer_run.hpp"
 #include "core/step_choice/step_advice.hpp"
@@ -27,6 +29,13 @@ Fault beyond_stability(double step_s, const StepAdvice& advice) {
                   "at most %.4g s, the stability limit in this scene (recommended: %.4g s)",
                   advice.largest_stable_step_s, advice.recommended_step_s);
     return {"numerics.step_s", found.data(), allowed.data()};
+}
+
+/// The step that a scene needs is below the bound of numerics.step_s, which the scene does not give.
+Fault too_stiff(double step_s) {
+    const SceneKey key = scene_key_named(Scene(), "numerics.step_s").value();
+    return {"chain", "spheres so small, stiff or damped that a step is " + number_text(step_s) + " s",
+            "a scene whose steps are " + number_text(key.range.min) + " s or more"};
 }
 
 /// A reference that is good enough to judge the accuracy, or a given step, if shorter pieces can make it so. @throws std::bad_alloc
@@ -217,8 +226,8 @@ Resolution resolve(const Scene& asked, std::optional<double> run_s, const std::a
     if (!result.step_set_by_scene) {
         numerics.step_s = result.advice.recommended_step_s;
         trial.emplace(std::move(advised.trial));
-        result.faults = validate(result.scene);  // of a scene that is too stiff for any step
-        if (!result.faults.empty()) {
+        if (!validate(result.scene).empty()) {
+            result.faults.push_back(too_stiff(*numerics.step_s));
             return result;
         }
     } else if (*numerics.step_s > result.advice.largest_stable_step_s) {

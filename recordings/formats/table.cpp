@@ -214,8 +214,9 @@ std::string text_of_file(const fs::path& path) {
 WrittenTable read_csv(const fs::path& path) {
     const std::string text = text_of_file(path);
     CsvCells cells(text);
-    return {csv_names(cells),
-            json_from_outside(text_of_file(csv_metadata_path(path))).at("urn:hertzline:provenance")};
+    return {
+        csv_names(cells),
+        OutsideJson(json_from_outside(text_of_file(csv_metadata_path(path)))).at("urn:hertzline:provenance")};
 }
 
 std::vector<TableRow> read_csv_rows(const fs::path& path, std::span<const TableColumn> columns) {

@@ -258,11 +258,10 @@ void SceneControl::prepare(Job& job) {
         job.faults.push_back({"numerics.integrator", "a grid whose motion cannot be handed over",
                               "for other drives: a series, or steps that divide the sample period"});
     }
-    job.warnings =
-        measures::contact_warnings(scene, measures::peak_overlaps(scene, measures::first_burst_s(scene)));
-    if (auto missed = measures::missed_accuracy(job.resolved)) {
-        job.warnings.push_back(*std::move(missed));
-    }
+    job.warnings = measures::scene_warnings(job.resolved);
+    std::ranges::move(
+        measures::contact_warnings(scene, measures::peak_overlaps(scene, measures::first_burst_s(scene))),
+        std::back_inserter(job.warnings));
     if (factor < least_real_time_factor) {
         job.warnings.push_back(real_time_factor_text(factor) +
                                ": the stream as good as stands; an undo begins anew from static equilibrium");

@@ -28,7 +28,7 @@ inline constexpr const char* preparing_thread_name = "preparing";
 struct EpochOfChange {
     SceneChange change;
     Resolution resolved;
-    std::vector<std::string> warnings;  ///< about its contacts
+    std::vector<std::string> warnings;  ///< of its scene
 };
 
 /// Takes requests and gives replies; for one thread, except take_epochs().

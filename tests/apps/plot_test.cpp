@@ -321,6 +321,17 @@ TEST(Plot, RefusesWrongNamesOfASweepWithAllThatThereAre) {
     EXPECT_THAT(two.err, HasSubstr("found a sweep among several files"));
 }
 
+TEST(Plot, NamesATableThatIsCutShort) {
+    const TemporaryFolder folder;
+    const std::string table = folder.file("s.h5");
+    ASSERT_EQ(hertzline({"sweep", "paper-wall", "--vary", "end.material=pyrex,acrylic", "-o", table}).status,
+              0);
+    fs::resize_file(table, fs::file_size(table) / 2);
+    const Outcome cut = hertzline({"plot", table, "-o", folder.file("s.png")});
+    EXPECT_EQ(cut.status, 1);
+    EXPECT_THAT(cut.err, HasSubstr("cannot read " + table));
+}
+
 TEST(Plot, DrawsTheWaveformsOfASweep) {
     const TemporaryFolder folder;
     const auto drawn = [&](const std::string& vary) {

@@ -7,6 +7,7 @@ import numpy as np
 
 from .recordings import drive_frequency, recording_of
 from .style import COLOURS, WrongUse, titled, unit_of_time, use_style
+from .tables import open_hdf5
 from .waveforms import draw
 
 MAX_ROWS = 2000  # of a waterfall, and stretches of time in it: more than a picture has pixels
@@ -52,8 +53,7 @@ def waveforms_of(field, path, kind, window):
     """The pressures in the file of a field."""
     if not path.endswith(".h5"):
         raise WrongUse(f"--kind {kind}: found a CSV, allowed: an .h5 file that was made with --waveforms")
-    import h5py
-    with h5py.File(path, "r") as file:
+    with open_hdf5(path) as file:
         if "p_points" not in file:
             raise WrongUse(f"--kind {kind}: found a field without waveforms, allowed: one that was made with --waveforms")
         yield Waveforms(field, file["p_points"], json.loads(file.attrs["provenance"]), window)

@@ -25,10 +25,18 @@ def object_in(value):
     return value if isinstance(value, dict) else {}
 
 
+def open_hdf5(path):
+    """The file, to be closed. Raises OSError that names it."""
+    import h5py
+    try:
+        return h5py.File(path, "r")
+    except OSError as error:
+        raise OSError(f"cannot read {path}: {error}") from error
+
+
 def read_hdf5_table(path):
     """Columns by name, their units, and provenance."""
-    import h5py
-    with h5py.File(path, "r") as file:
+    with open_hdf5(path) as file:
         if "points" not in file or file["points"].dtype.names is None:
             raise NotASweep
         table = file["points"][:]
@@ -111,8 +119,7 @@ def read_sweep(path):
 
 def read_waveforms(path, name):
     """Samples of each point, NaN after its last one, their unit, and the rate of each point [Hz]."""
-    import h5py
-    with h5py.File(path, "r") as file:
+    with open_hdf5(path) as file:
         there = [key for key in file if key != "points"]
         if name not in there:
             raise WrongUse(f"--columns: found {name}, allowed: {', '.join(there) or 'a sweep that was made with --waveforms'}")

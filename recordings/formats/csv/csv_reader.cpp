@@ -2,12 +2,14 @@
 #include <cmath>
 #include <exception>
 #include <filesystem>
+#include <limits>
 #include <memory>
 #include <stdexcept>
 #include <string>
 #include <utility>
 
 #include "core/scene/json.hpp"
+#include "core/scene/text.hpp"
 #include "recordings/files/input_file.hpp"
 #include "recordings/formats/csv/csv.hpp"
 #include "recordings/formats/csv/csv_dialect.hpp"
@@ -62,33 +64,65 @@ public:
     void interrupt() noexcept override { lines_.interrupt(); }
 
 private:
-    /// Reads the metadata. Returns false when there are none.
+    /// Reads the metadata. Returns false when there are none, or those of another table.
     bool read_metadata() {
         const fs::path path = csv_metadata_path(path_);
         std::error_code unknown;
         if (!fs::is_regular_file(path, unknown)) {
             return false;
         }
+        Json metadata;
         try {
-            take_metadata(path);
+            InputFile file(path);
+            metadata = json_from_outside(file.text(std::min(file.size(), largest_metadata), "the metadata"));
         } catch (const std::exception& error) {
             cannot_read(path, error.what());
         }
-        if (!(head_.sample_rate_hz > 0) || !std::isfinite(head_.sample_rate_hz)) {
-            cannot_read(path, "urn:hertzline:sample_rate_hz: found no number above 0");
+        const OutsideJson described(metadata);
+        const double rate = described.number("urn:hertzline:sample_rate_hz").value_or(0);
+        const Json& columns = described.at("tableSchema/columns");
+        if (!(rate > 0) || !std::isfinite(rate)) {
+            options_.tell(path.string() +
+                          ": left out, because it has no urn:hertzline:sample_rate_hz above 0");
+            return false;
         }
-        axis_ = TimeAxis(head_.sample_rate_hz, digits_of_float64);
+        if (!are_those_of_the_file(columns)) {
+            options_.tell(path.string() + ": left out, because it describes other columns");
+            return false;
+        }
+        if (!lines_.is_pipe() && !is_rate_of_the_times(rate)) {
+            options_.tell(path.string() + ": left out, because the times are not those of its " +
+                          number_text(rate) + " Hz");
+            return false;
+        }
+        head_.sample_rate_hz = rate;
+        head_.provenance = described.at("urn:hertzline:provenance");
+        head_.numbers =
+            OutsideJson(columns[1]).text("datatype") == "float" ? NumberType::float32 : NumberType::float64;
+        axis_ = TimeAxis(rate, digits_of_float64);
         return true;
     }
 
-    void take_metadata(const fs::path& path) {
-        InputFile file(path);
-        const Json metadata =
-            json_from_outside(file.text(std::min(file.size(), largest_metadata), "the metadata"));
-        metadata.at("urn:hertzline:sample_rate_hz").get_to(head_.sample_rate_hz);
-        head_.provenance = metadata.at("urn:hertzline:provenance");
-        const bool single = metadata.at("tableSchema").at("columns").at(1).at("datatype") == "float";
-        head_.numbers = single ? NumberType::float32 : NumberType::float64;
+    bool are_those_of_the_file(const Json& columns) const {
+        const auto is = [](const Json& column, const std::string& name) {
+            return OutsideJson(column).text("name") == name;
+        };
+        return columns.is_array() && columns.size() == names_.columns.size() + 1 && is(columns[0], "t_s") &&
+               std::equal(columns.begin() + 1, columns.end(), names_.columns.begin(),
+                          [&](const Json& column, const Column& own) { return is(column, own.name); });
+    }
+
+    /// Whether samples follow each other in the first rows. Lost ones may lie between some.
+    bool is_rate_of_the_times(double rate_hz) {
+        constexpr std::size_t enough_rows = 100;
+        TimeDigits digits;
+        const std::vector<double> times = first_times(digits, enough_rows);
+        go_to_row(0);
+        double shortest = std::numeric_limits<double>::infinity();
+        for (std::size_t i = 1; i < times.size(); ++i) {
+            shortest = std::min(shortest, (times[i] - times[i - 1]) * rate_hz);
+        }
+        return times.size() < 2 || std::round(shortest) == 1;
     }
 
     /// Without times nothing shows that a sample is missing but its empty line.
@@ -157,8 +191,7 @@ private:
     }
 
     /// Returns the times of the first rows, up to one that is not above the one before.
-    std::vector<double> first_times(TimeDigits& digits) {
-        constexpr std::size_t enough_rows = 100'000;
+    std::vector<double> first_times(TimeDigits& digits, std::size_t enough_rows = 100'000) {
         constexpr std::int64_t enough_bytes = 16 << 20;
         std::vector<double> times;
         CsvNumbers numbers(names_);

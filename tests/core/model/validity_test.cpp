@@ -100,6 +100,32 @@ TEST(Validity, KeysThatNothingAsksForAreNoticed) {
                 IsEmpty());
 }
 
+TEST(Validity, KeysThatAskForANumberOrALawAreNoticed) {
+    EXPECT_THAT(
+        warnings_after([](Scene& s) {
+            s.chain.damping_time_s = 1e-8;
+            s.chain.damping_alpha = 0.1;
+            s.chain.impact_spheres = 2;
+            s.chain.seed = 7;
+            s.numerics.poles = 30;
+        }),
+        ElementsAre("chain.damping_time_s has no effect without chain.damping_law = \"kuwabara_kono\"",
+                    "chain.damping_alpha has no effect without chain.damping_law = \"tsuji\"",
+                    "numerics.poles has no effect without end.model = \"modal\"",
+                    "chain.impact_spheres has no effect without chain.impact_velocity_m_per_s",
+                    "chain.seed has no effect without chain.tolerance or chain.preload_tolerance"));
+    EXPECT_THAT(warnings_after([](Scene& s) {
+                    s.chain.damping_law = DampingLaw::tsuji;
+                    s.chain.damping_alpha = 0.1;
+                    s.chain.damping_kg_per_s = 0.3;
+                    s.chain.impact_spheres = 2;
+                    s.chain.impact_velocity_m_per_s = 0.1;
+                    s.chain.seed = 7;
+                    s.chain.preload_tolerance = 0.1;
+                }),
+                ElementsAre("chain.damping_kg_per_s has no effect without chain.damping_law = \"dashpot\""));
+}
+
 TEST(Validity, KeysThatListsReplaceAreNoticed) {
     const auto layers = [](Scene& s) {
         s.end.material = "pyrex";

@@ -146,8 +146,9 @@ TEST(Advice, TheStepIsOneThatASceneMayHave) {
     scene.chain.diameter_m = 1e-6;
     const Resolution stiffest = resolve(scene);
     ASSERT_EQ(stiffest.faults.size(), 1U);
-    EXPECT_EQ(stiffest.faults[0].key, "numerics.step_s");
-    EXPECT_THAT(stiffest.faults[0].allowed, testing::HasSubstr("from 1e-15 to 1 s"));
+    EXPECT_EQ(stiffest.faults[0].key, "chain");
+    EXPECT_THAT(stiffest.faults[0].found, testing::HasSubstr("so small, stiff or damped that a step is "));
+    EXPECT_EQ(stiffest.faults[0].allowed, "a scene whose steps are 1e-15 s or more");
 }
 
 TEST(Advice, ErrorsLieBetweenTheAccuracyAndAThirtiethOfIt) {

@@ -31,6 +31,7 @@ namespace fs = std::filesystem;
 using nlohmann::json;
 using testing::ElementsAre;
 using testing::HasSubstr;
+using testing::IsEmpty;
 
 std::string text_of(double number) {
     std::string text;
@@ -455,14 +456,47 @@ TEST(CsvReader, AnEmptyLineBetweenSamplesWithoutTimesIsALostSample) {
     EXPECT_THAT(error_of([] { read_csv("v\n1\n,\n3\n", 1000); }), HasSubstr("a.csv:3: found no number"));
 }
 
-TEST(CsvReader, RefusesMetadataThatAreNone) {
+TEST(CsvReader, MetadataOfAnotherTableAreLeftOutWithAWarning) {
+    const TemporaryFolder folder;
+    const std::string file = folder.file("a.csv");
+    const auto writer = open_csv_writer(file, recording_head({"v"}, 1000));
+    writer->write(0, std::vector<double>(10, 0.5));
+    writer->commit();
+    const std::string own = contents(csv_metadata_path(file));
+    const auto warnings_with = [&](const std::string& table, const std::string& metadata) {
+        std::vector<std::string> warnings;
+        write_text(file, table);
+        write_text(csv_metadata_path(file), metadata);
+        ReadOptions options;
+        options.warn = [&](const std::string& text) { warnings.push_back(text); };
+        const auto reader = open_csv_reader(file, options);
+        EXPECT_EQ(reader->head().provenance.is_null(), !warnings.empty());
+        EXPECT_NEAR(reader->head().sample_rate_hz,
+                    1e6 / (table.find("\n0.001,") == std::string::npos ? 1 : 1000), 1e-6);
+        return warnings;
+    };
+    const std::string same = "t_s,v\n0,1\n0.001,1\n0.002,1\n";
+    const std::string faster = "t_s,v\n0,1\n1e-6,1\n2e-6,1\n";
+    EXPECT_THAT(warnings_with(same, own), IsEmpty());
+    EXPECT_THAT(warnings_with("t_s,v\n0,1\n0.001,1\n0.007,1\n", own), IsEmpty()) << "lost samples";
+    EXPECT_THAT(warnings_with(faster, own),
+                ElementsAre(HasSubstr(
+                    "a.csv-metadata.json: left out, because the times are not those of its 1000 Hz")));
+    EXPECT_THAT(warnings_with("t_s,u\n0,1\n0.001,1\n", own), ElementsAre(HasSubstr("other columns")));
+    EXPECT_THAT(warnings_with("t_s,v,u\n0,1,1\n0.001,1,1\n", own), ElementsAre(HasSubstr("other columns")));
+    for (const char* text : {"[]", "{}", "7", R"({"urn:hertzline:sample_rate_hz": "x"})"}) {
+        EXPECT_THAT(warnings_with(same, text),
+                    ElementsAre(HasSubstr("no urn:hertzline:sample_rate_hz above 0")));
+    }
+    EXPECT_THAT(warnings_with(same, R"({"urn:hertzline:sample_rate_hz": 1000})"),
+                ElementsAre(HasSubstr("other columns")));
+}
+
+TEST(CsvReader, RefusesMetadataThatAreNoJson) {
     const TemporaryFolder folder;
     const std::string file = folder.file("a.csv");
     write_text(file, "t_s,v\n0,1\n");
-    for (
-        const char* text :
-        {"", "[]", "{}", "7", R"({"urn:hertzline:sample_rate_hz": "x"})",
-         R"({"urn:hertzline:sample_rate_hz": 0, "urn:hertzline:provenance": 0, "tableSchema": {"columns": []}})"}) {
+    for (const char* text : {"", "{", "words"}) {
         write_text(file + "-metadata.json", text);
         EXPECT_THAT(error_of([&] { open_csv_reader(file); }), HasSubstr("a.csv-metadata.json")) << text;
     }

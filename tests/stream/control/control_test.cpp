@@ -377,6 +377,8 @@ TEST(SceneControl, TheReplyHasTheErrorAndTheWarningsOfItsScene) {
     EXPECT_TRUE(reply["estimated_error"].is_number() || reply["estimated_error"].is_null()) << reply;
     EXPECT_TRUE(reply.contains("estimated_over_s")) << reply;
     EXPECT_FALSE(reply["warnings"].empty()) << reply;
+    EXPECT_THAT(stream.ask({{"set", {{"chain.seed", 7}}}})["warnings"].dump(),
+                HasSubstr("chain.seed has no effect without chain.tolerance"));
 }
 
 TEST(SceneControl, SaysWhichAccuracyWasAskedFor) {
