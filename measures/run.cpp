@@ -1,15 +1,14 @@
 #include "measures/run.hpp"
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
-#include <iterator>
 #include <limits>
+#include <memory>
+#include <span>
 #include <stdexcept>
 #include <utility>
 
-#include <fmt/format.h>
-
-#include "core/array/array_solver.hpp"
 #include "core/model/chain.hpp"
 #include "core/model/energy.hpp"
 #include "core/model/strength.hpp"
@@ -17,8 +16,10 @@
 #include "core/scene/elements.hpp"
 #include "core/scene/faults.hpp"
 #include "core/scene/text.hpp"
+#include "measures/measuring.hpp"
 #include "measures/record_warnings.hpp"
 #include "measures/resources.hpp"
+#include "measures/tap_names.hpp"
 
 namespace hertzline::measures {
 
@@ -96,34 +97,6 @@ void keep_points(Run& run, const Samples& block) {
         }
     }
     run.peak_p_points = peak_of(run.peaks_p_points);
-}
-
-/// When the pressure at the first point first exceeds half of its peak [s].
-std::optional<double> first_arrival_s(const Run& run) {
-    const double half = 0.5 * peak_of(run.p_first);
-    const auto first = std::ranges::find_if(run.p_first, [half](double p) { return std::abs(p) > half; });
-    return first == run.p_first.end() ? std::nullopt
-                                      : std::optional(static_cast<double>(first - run.p_first.begin()) /
-                                                      run.scene().output.sample_rate_hz);
-}
-
-/// The peak of the pressure that the middle element alone makes at the first point [Pa].
-std::optional<double> peak_of_one_alone(const Scene& scene) {
-    const std::size_t middle = middle_element(scene);
-    Scene one = element_scene(scene, middle);
-    one.output.points_m.resize(1);
-    one.output.points_m[0][0] -= scene.array.x_m[middle];
-    one.output.points_m[0][1] -= scene.array.y_m[middle];
-    Simulation simulation(one, {.taps = Tap::p_points, .ledger = LedgerKeeping::off});
-    Samples block = simulation.make_samples(block_of_run(one, Tap::p_points));
-    double peak = 0;
-    for (auto left = static_cast<std::size_t>(rows_of_run(one)); left > 0; left -= block.count) {
-        if (simulation.advance(block, std::min(block.capacity(), left)) != Status::running) {
-            return std::nullopt;
-        }
-        peak = std::max(peak, peak_of(block[Tap::p_points]));
-    }
-    return peak;
 }
 
 /// Appends the tap's samples; of an array those of the middle element.
@@ -258,15 +231,6 @@ Status fill(Run& run, Sequence& sequence, const std::function<bool(const Samples
     return Status::running;
 }
 
-/// Returns the levels of v_out's harmonics with the jumps of its formula over those without [dB]; empty without a plate.
-std::vector<double> switching_of(SpectrumAnalyser& analyser, const Run& run) {
-    if (run.v_out_smooth.empty()) {
-        return {};
-    }
-    const SpectrumSummary& v_out = run.taps.front().spectrum;
-    return level_differences_db(v_out.harmonics, analyser.harmonics(run.v_out_smooth, v_out.fundamental_hz));
-}
-
 /// Continues a run whose end rings, at most ten times as far, to the first duration of two digits at whose end it does not. Where a beat
 /// is at its least an extrapolation would be wrong by factors.
 std::optional<double> rung_down_s(const Run& run, Simulation& simulation) {
@@ -301,10 +265,6 @@ std::optional<double> rung_down_s(const Run& run, Simulation& simulation) {
             return longer.output.duration_s;
         }
     }
-}
-
-void append(Warnings& warnings, const Warnings& more) {
-    warnings.insert(warnings.end(), more.begin(), more.end());
 }
 
 }  // namespace
@@ -399,127 +359,6 @@ Status fill(Run& run, Simulation& simulation, const std::function<bool(const Sam
     const RunOptions no_steps;
     Sequence sequence(run, simulation, no_steps);
     return fill(run, sequence, take);
-}
-
-void measure(Run& run, SpectrumAnalyser* analyser, std::optional<double> band_from_hz) {
-    const Scene& scene = run.resolved.scene;
-    if (analyser != nullptr) {
-        for (TapRecord& tap : run.taps) {
-            tap.spectrum = analyser->analyse(tap.values, scene.drive.frequency_hz, band_from_hz);
-        }
-        run.switching_db = switching_of(*analyser, run);
-    }
-    const std::vector<double>& v_out = run.taps.front().values;
-    run.ringing_ratio = ringing_ratio(scene, v_out);
-    run.first_arrival_s = first_arrival_s(run);
-    if (scene.array.x_m.size() > 1 && !run.p_first.empty()) {
-        run.alone_p_pa = peak_of_one_alone(scene);
-    }
-    append(run.warnings, record_warnings(scene, v_out, run.rung_down_s));
-    append(run.warnings, late_sound_warnings(scene));
-    if (constexpr double far_off = 0.1; !(run.energy_residual <= far_off)) {
-        run.warnings.push_back(
-            fmt::format("the ledger of energy does not close: energy_residual is {:.2g} of what came and "
-                        "went, so the motion is not "
-                        "that of the scene; a shorter numerics.step_s, or another numerics.integrator, shows "
-                        "whether it changes",
-                        run.energy_residual));
-    }
-    append(run.warnings, band_warnings("v_out", run.taps.front().spectrum));
-    append(run.warnings, switching_warnings(run.switching_db));
-    for (const TapRecord& tap : std::span(run.taps).subspan(1)) {
-        append(run.warnings, band_warnings(row_of(tap.tap).name, tap.spectrum));
-    }
-    append(run.warnings, validity_warnings(run.load));
-    if (run.strength_warning) {
-        run.warnings.push_back(*run.strength_warning);
-    }
-}
-
-Warnings scene_warnings(const Resolution& resolved) {
-    const Scene first = element_scene(resolved.scene, 0);
-    Warnings warnings = validity_warnings(first, Chain(first));
-    if (is_array(resolved.scene)) {
-        append(warnings, array_warnings(resolved.scene));
-    }
-    if (auto missed = missed_accuracy(resolved)) {
-        warnings.push_back(*std::move(missed));
-    }
-    return warnings;
-}
-
-std::optional<std::string> missed_accuracy(const Resolution& resolved) {
-    const StepAdvice& advice = resolved.advice;
-    if (resolved.may_miss_accuracy()) {
-        return fmt::format(
-            "the error is estimated over the first {:.3g} s of {:.3g} s; how far it grows after that is not "
-            "known",
-            resolved.estimate->over_s, *resolved.run_s);
-    }
-    if (!resolved.misses_accuracy()) {
-        return std::nullopt;
-    }
-    std::string why;
-    if (constexpr double far_too_many = 1e8; resolved.steps_per_burst > far_too_many) {
-        why = fmt::format("; the scene is too stiff: with its steps of {:.2g} s a burst takes {:.2g}",
-                          *resolved.scene.numerics.step_s, resolved.steps_per_burst);
-    } else if (resolved.estimate && resolved.estimate->amplifies) {
-        why =
-            "; the motion amplifies rounding errors, so that no step is good enough: judge it by "
-            "energy_residual and statistics, "
-            "not sample by sample";
-    } else if (resolved.scene.numerics.rest_tolerance > 0) {
-        why = "; numerics.rest_tolerance cuts off what rings more quietly, which is a part of it";
-    } else if (advice.accuracy_met) {
-        why = fmt::format(
-            "; it is kept over the first {:.3g} s, but errors grow: a smaller numerics.accuracy may do",
-            advice.pilot_duration_s);
-    }
-    if (!resolved.estimate) {
-        return fmt::format("the error could not be estimated; requested: {:g}{}", advice.accuracy, why);
-    }
-    const ErrorEstimate& estimate = *resolved.estimate;
-    return fmt::format(
-        "the estimated error over the first {:.3g} s is {:.2g}, above the requested accuracy of {:g}{}",
-        estimate.over_s, estimate.error, advice.accuracy, why);
-}
-
-std::vector<std::string> names_of(TapSet taps) {
-    std::vector<std::string> names;
-    for (const Tap tap : taps) {
-        names.emplace_back(row_of(tap).name);
-    }
-    return names;
-}
-
-tl::expected<Tap, std::string> find_tap(std::string_view name, TapSet allowed) {
-    if (const auto tap = tap_named(name); tap && allowed.contains(*tap)) {
-        return *tap;
-    }
-    const std::vector<std::string> names = names_of(allowed);
-    return tl::unexpected("found " + quoted_briefly(name) + ", allowed: " + comma_separated(names) +
-                          suggestion(name, names));
-}
-
-TapSet taps_named(std::string_view subject, const std::vector<std::string>& names, TapSet allowed,
-                  Faults& faults) {
-    TapSet taps;
-    for (const std::string& name : names) {
-        if (const auto tap = faults.value_of(subject, find_tap(name, allowed))) {
-            taps |= *tap;
-        }
-    }
-    return taps;
-}
-
-TapSet measurable_among(std::span<const std::string> names) noexcept {
-    TapSet taps;
-    for (const std::string& name : names) {
-        if (const auto tap = tap_named(name)) {
-            taps |= TapSet(*tap) & measurable_taps;
-        }
-    }
-    return taps;
 }
 
 }  // namespace hertzline::measures

@@ -4,19 +4,10 @@
 #include <cstddef>
 #include <functional>
 #include <optional>
-#include <span>
 #include <string>
-#include <string_view>
-#include <vector>
-
-#include <tl/expected.hpp>
 
 #include "core/model/end.hpp"
 #include "hertzline/run.hpp"
-
-namespace hertzline {
-class Faults;
-}
 
 namespace hertzline::measures {
 
@@ -53,13 +44,8 @@ std::optional<std::string> longest_run_fault(const Scene& scene);
 /// Returns the fault of a lower edge of bands that is no frequency.
 std::optional<std::string> band_from_fault(std::optional<double> from_hz);
 
-/// Simulates a scene: all of run() but measure(). @throws as run()
+/// Simulates a scene: all of run() but measure() (measures/measuring.hpp). @throws as run()
 Run simulate(const Resolution& resolved, const RunOptions& options);
-
-/// Adds spectra and warnings to a run that has all its samples.
-/// @param analyser for records of that length and rate; null: no spectra, and no warnings of them
-/// @param band_from_hz as SpectrumAnalyser::analyse
-void measure(Run& run, SpectrumAnalyser* analyser, std::optional<double> band_from_hz);
 
 /// A run of a simulation without samples yet, with room for all of them.
 Run empty_run(Resolution resolved, TapSet measured, const EndModel& end);
@@ -68,25 +54,5 @@ Run empty_run(Resolution resolved, TapSet measured, const EndModel& end);
 /// @returns running: all rows are there; stopped: the simulation's stop flag or take() ended it; else the failure, which
 /// Simulation::failure() explains
 Status fill(Run& run, Simulation& simulation, const std::function<bool(const Samples&)>& take);
-
-/// Warnings of a scene before it runs: its validity, and an accuracy that is not kept.
-Warnings scene_warnings(const Resolution& resolved);
-
-/// Returns a warning of a scene that misses its accuracy, with the reason, or may miss it, with the unknown part.
-/// Nothing when it is met.
-std::optional<std::string> missed_accuracy(const Resolution& resolved);
-
-/// The names of the taps, in the order of the set.
-std::vector<std::string> names_of(TapSet taps);
-
-/// Returns the tap of that name, or a fault.
-tl::expected<Tap, std::string> find_tap(std::string_view name, TapSet allowed);
-
-/// The taps of those names; the faults of other names are added. @param subject of the faults, as "--columns"
-TapSet taps_named(std::string_view subject, const std::vector<std::string>& names, TapSet allowed,
-                  Faults& faults);
-
-/// The measurable taps among the names; other names are passed over.
-TapSet measurable_among(std::span<const std::string> names) noexcept;
 
 }  // namespace hertzline::measures

@@ -9,8 +9,9 @@
 
 #include "core/scene/faults.hpp"
 #include "core/scene/text.hpp"
+#include "measures/measuring.hpp"
 #include "measures/provenance.hpp"
-#include "measures/run.hpp"
+#include "measures/tap_names.hpp"
 #include "stream/inputs/estimate_watch.hpp"
 #include "stream/inputs/simulation_source.hpp"
 #include "stream/listening/listener.hpp"

@@ -237,9 +237,7 @@ tl::expected<SceneKey, Fault> varied_key(const Scene& scene, std::string_view na
     if (key && key->is_list()) {
         return tl::unexpected(Fault{key->name, "a list", "an entry of it, as " + key->entry(0).name});
     }
-    constexpr std::array how_to_read{"drive.sample_rate_hz", "drive.quantity", "drive.column"};
-    if (key && !scene.drive.samples.empty() &&
-        std::ranges::find(how_to_read, key->name) != how_to_read.end()) {
+    if (key && key->traits.reads_record && !scene.drive.samples.empty()) {
         return tl::unexpected(
             Fault{key->name, "a key by which the record was read, once for all points",
                   "such a key beside --vary drive.file=FILE: each point then reads the record"});

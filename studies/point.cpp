@@ -13,6 +13,7 @@
 #include "hertzline/resolve.hpp"
 #include "hertzline/scene_file.hpp"
 #include "hertzline/simulation.hpp"
+#include "measures/measuring.hpp"
 #include "recordings/drive_record.hpp"
 
 namespace hertzline::studies {

@@ -9,6 +9,7 @@
 #include "core/scene/faults.hpp"
 #include "core/scene/text.hpp"
 #include "measures/resources.hpp"
+#include "measures/tap_names.hpp"
 #include "studies/search_job.hpp"
 #include "studies/search_report.hpp"
 #include "studies/study.hpp"

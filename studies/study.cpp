@@ -18,6 +18,7 @@
 #include "core/scene/scene_json.hpp"
 #include "core/scene/text.hpp"
 #include "measures/provenance.hpp"
+#include "measures/tap_names.hpp"
 
 namespace hertzline::studies {
 

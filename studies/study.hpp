@@ -19,6 +19,10 @@
 #include "studies/plan.hpp"
 #include "studies/point.hpp"
 
+namespace hertzline {
+class Faults;
+}
+
 namespace hertzline::studies {
 
 /// A part of a sweep, for one process: number `part` of `parts`, from 1. Points are dealt in turn.

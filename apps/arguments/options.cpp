@@ -9,6 +9,7 @@
 #include "apps/command.hpp"
 #include "core/scene/text.hpp"
 #include "core/simd/target_choice.hpp"
+#include "measures/tap_names.hpp"
 #include "recordings/recording_formats.hpp"
 
 namespace hertzline::app {
@@ -36,7 +37,7 @@ CLI::Option* add_repeatable_option(CLI::App& app, const char* names, std::vector
 CLI::Option* add_columns_option(CLI::App& app, std::vector<std::string>& names, TapSet there) {
     return add_repeatable_option(
                app, "--columns", names,
-               "save these outputs instead of the usual ones: " + comma_separated(names_of(there)))
+               "save these outputs instead of the usual ones: " + comma_separated(measures::names_of(there)))
         ->delimiter(',')
         ->type_name(there == all_taps ? "OUTPUT,..." : "STREAM,...");
 }

@@ -10,7 +10,6 @@
 
 #include "core/scene/faults.hpp"
 #include "hertzline/taps.hpp"
-#include "measures/run.hpp"
 
 namespace hertzline::app {
 
@@ -27,8 +26,6 @@ std::string word_of(const CLI::Option& option);
 /// Adds an option that may be given several times, with one value each time: -o a.csv -o b.csv.
 CLI::Option* add_repeatable_option(CLI::App& app, const char* names, std::vector<std::string>& values,
                                    const std::string& description);
-
-using measures::names_of;
 
 /// Adds --columns, which names the taps that recordings hold. @param there those that the help names
 CLI::Option* add_columns_option(CLI::App& app, std::vector<std::string>& names, TapSet there);

@@ -23,8 +23,8 @@
 #include "core/scene/toml_entries.hpp"
 #include "hertzline/scene_file.hpp"
 #include "hertzline/simulation.hpp"
+#include "measures/measuring.hpp"
 #include "measures/resources.hpp"
-#include "measures/run.hpp"
 #include "recordings/drive_record.hpp"
 #include "recordings/recording_formats.hpp"
 

@@ -20,7 +20,7 @@
 #include "apps/console/progress.hpp"
 #include "apps/console/signals.hpp"
 #include "core/scene/text.hpp"
-#include "measures/run.hpp"
+#include "measures/tap_names.hpp"
 #include "recordings/columns.hpp"
 #include "recordings/recording_formats.hpp"
 #include "recordings/recording_set.hpp"

@@ -16,6 +16,7 @@
 #include "apps/arguments/options.hpp"
 #include "apps/console/signals.hpp"
 #include "core/scene/text.hpp"
+#include "measures/tap_names.hpp"
 #include "stream/pipeline/capacity.hpp"
 #include "stream/pipeline/stream_messages.hpp"
 #include "stream/wire/endpoint.hpp"
@@ -49,7 +50,8 @@ int most_clients() {
 void announce(const stream::Publisher& publisher, const stream::Pipeline& pipeline) {
     spdlog::info("endpoint {}", publisher.endpoint());
     spdlog::info("streams {}, float32 at {:g} Hz; meta, meters, end",
-                 comma_separated(names_of(pipeline.format().taps)), pipeline.format().sample_rate_hz);
+                 comma_separated(measures::names_of(pipeline.format().taps)),
+                 pipeline.format().sample_rate_hz);
     spdlog::info("run {}", pipeline.options().run);
     const bool encrypted = publisher.security() == stream::Security::curve;
     spdlog::info("to listen: hertzline listen --connect {}{}", local_endpoint(publisher.endpoint()),

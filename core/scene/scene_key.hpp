@@ -72,6 +72,7 @@ struct KeyTraits {
     MaterialSort sort = MaterialSort::solid;  ///< of the name of a material
     std::size_t most_entries = 0;             ///< of a list
     bool is_text = false;                     ///< any text, not a word
+    bool reads_record = false;                ///< the record of a drive is read by it, once
     std::string_view replaced_by = {};        ///< the list that is used in its place where a scene gives it
     std::string_view each = {};  ///< of a list: the key whose value every entry has where it is not given
 };

@@ -75,18 +75,25 @@ void visit_scene(AnyScene& scene, const Visit& visit) {
             {"column",
              {},
              "of the file: its name, or its number from 1 on; with the socket `sub`, the stream's name",
-             {.unset = "the first", .needs = samples_of, .hashed = changed, .is_text = true}});
-        row(quantity,
-            {"quantity",
-             {},
-             "that was recorded",
-             {.unset = "by the column's unit, else a displacement", .needs = samples_of, .hashed = changed}});
+             {.unset = "the first",
+              .needs = samples_of,
+              .hashed = changed,
+              .is_text = true,
+              .reads_record = true}});
+        row(quantity, {"quantity",
+                       {},
+                       "that was recorded",
+                       {.unset = "by the column's unit, else a displacement",
+                        .needs = samples_of,
+                        .hashed = changed,
+                        .reads_record = true}});
         row(sample_rate_hz, {"sample_rate_hz",
                              {1e-3, 1e12, "Hz"},
                              "of the samples",
                              {.unset = "the file's; of a live drive, that of the output",
                               .needs = samples_of,
-                              .hashed = changed}});
+                              .hashed = changed,
+                              .reads_record = true}});
         row(scale, {"scale",
                     {-1e12, 1e12},
                     "m, or m/s, for each unit of the record, in place of the unit of its column; not 0",

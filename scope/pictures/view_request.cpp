@@ -11,7 +11,7 @@
 #include "core/scene/faults.hpp"
 #include "core/scene/json.hpp"
 #include "core/scene/text.hpp"
-#include "measures/run.hpp"
+#include "measures/tap_names.hpp"
 
 namespace hertzline::scope {
 

@@ -9,7 +9,7 @@
 #include "core/scene/json.hpp"
 #include "core/scene/scene_json.hpp"
 #include "hertzline/scene_file.hpp"
-#include "measures/run.hpp"
+#include "measures/tap_names.hpp"
 
 namespace hertzline::scope {
 

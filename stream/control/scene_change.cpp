@@ -42,7 +42,7 @@ bool motion_goes_on(const Scene& from, const Scene& to) {
 
 std::vector<Fault> frame_faults(const Scene& from, const Scene& to) {
     std::vector<Fault> faults;
-    const auto add = [&](const char* name,
+    const auto add = [&](const std::string& name,
                          const char* allowed =
                              "the value at the start of the stream, on which its frames depend") {
         const SceneValue value = scene_key_named(to, name)->value(to).value_or(std::string("none"));
@@ -68,12 +68,10 @@ std::vector<Fault> frame_faults(const Scene& from, const Scene& to) {
         add(from.end.kind != to.end.kind ? "end.kind" : "end.model");
     }
     if (!from.drive.samples.empty() && from.drive.samples == to.drive.samples) {
-        const char* const as_read = "the value by which the record was read";
-        if (from.drive.sample_rate_hz != to.drive.sample_rate_hz) {
-            add("drive.sample_rate_hz", as_read);
-        }
-        if (from.drive.quantity != to.drive.quantity) {
-            add("drive.quantity", as_read);
+        for (const SceneKey& key : scene_keys()) {
+            if (key.traits.reads_record && key.value(from) != key.value(to)) {
+                add(key.name, "the value by which the record was read");
+            }
         }
     }
     return faults;

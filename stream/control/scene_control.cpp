@@ -11,9 +11,9 @@
 #include "core/scene/json.hpp"
 #include "core/scene/scene_json.hpp"
 #include "hertzline/scene_file.hpp"
+#include "measures/measuring.hpp"
 #include "measures/provenance.hpp"
 #include "measures/resources.hpp"
-#include "measures/run.hpp"
 #include "measures/scene_report.hpp"
 #include "stream/threads.hpp"
 

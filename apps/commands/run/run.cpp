@@ -22,8 +22,10 @@
 #include "apps/console/progress.hpp"
 #include "apps/console/signals.hpp"
 #include "core/scene/text.hpp"
+#include "measures/measuring.hpp"
 #include "measures/provenance.hpp"
 #include "measures/quantities.hpp"
+#include "measures/tap_names.hpp"
 #include "recordings/columns.hpp"
 #include "recordings/formats/table.hpp"
 #include "recordings/recording_formats.hpp"
@@ -271,13 +273,14 @@ Run run_command(CLI::App& app) {
         ->type_name("FILE");
     add_columns_option(app, options->columns, all_taps);
     app.add_flag("--all", options->all_bodies, "save every sphere's displacement and velocity too");
-    add_repeatable_option(app, "--tap", options->taps,
-                          "save this output too; repeatable: " + comma_separated(names_of(all_taps)))
+    add_repeatable_option(
+        app, "--tap", options->taps,
+        "save this output too; repeatable: " + comma_separated(measures::names_of(all_taps)))
         ->type_name("OUTPUT");
     add_wav_scale_option(app, options->wav_scale);
     add_repeatable_option(
         app, "--measure", options->measures,
-        "measure these outputs, too, as v_out: " + comma_separated(names_of(measurable_taps)))
+        "measure these outputs, too, as v_out: " + comma_separated(measures::names_of(measurable_taps)))
         ->delimiter(',')
         ->type_name("OUTPUT,...");
     add_repeatable_option(

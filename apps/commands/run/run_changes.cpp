@@ -15,6 +15,7 @@
 #include "core/scene/scene_json.hpp"
 #include "core/scene/text.hpp"
 #include "hertzline/simulation.hpp"
+#include "measures/measuring.hpp"
 #include "measures/provenance.hpp"
 #include "measures/run.hpp"
 #include "recordings/files/input_file.hpp"

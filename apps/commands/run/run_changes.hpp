@@ -9,7 +9,7 @@
 #include "apps/arguments/scene_argument.hpp"
 #include "core/scene/faults.hpp"
 #include "hertzline/resolve.hpp"
-#include "measures/run.hpp"
+#include "hertzline/run.hpp"
 #include "recordings/recorded_drive.hpp"
 #include "stream/control/scene_change.hpp"
 

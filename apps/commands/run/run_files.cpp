@@ -15,9 +15,9 @@
 #include "apps/commands/plot/picture.hpp"
 #include "apps/console/signals.hpp"
 #include "core/scene/text.hpp"
+#include "hertzline/run.hpp"
 #include "hertzline/spectrum.hpp"
 #include "hertzline/taps.hpp"
-#include "measures/run.hpp"
 #include "recordings/formats/table.hpp"
 #include "recordings/recording_formats.hpp"
 

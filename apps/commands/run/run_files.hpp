@@ -6,7 +6,7 @@
 
 #include "core/scene/faults.hpp"
 #include "core/scene/json.hpp"
-#include "measures/run.hpp"
+#include "hertzline/run.hpp"
 
 namespace hertzline::app {
 

@@ -12,6 +12,7 @@
 #include "apps/arguments/options.hpp"
 #include "apps/commands/sweep/shard_argument.hpp"
 #include "core/scene/text.hpp"
+#include "measures/tap_names.hpp"
 #include "recordings/files/input_file.hpp"
 #include "recordings/formats/table.hpp"
 #include "recordings/recording_formats.hpp"

@@ -15,7 +15,7 @@
 #include "core/scene/faults.hpp"
 #include "core/scene/json.hpp"
 #include "hertzline/taps.hpp"
-#include "measures/run.hpp"
+#include "measures/tap_names.hpp"
 #include "stream/control/control_client.hpp"
 #include "stream/listening/listener.hpp"
 #include "stream/wire/endpoint.hpp"

@@ -17,8 +17,10 @@
 #include "apps/python/native/scene_object.hpp"
 #include "core/scene/faults.hpp"
 #include "core/scene/json.hpp"
+#include "measures/measuring.hpp"
 #include "measures/provenance.hpp"
 #include "measures/quantities.hpp"
+#include "measures/tap_names.hpp"
 
 namespace hertzline::python {
 

@@ -9,6 +9,7 @@
 #include "core/scene/faults.hpp"
 #include "hertzline/samples.hpp"
 #include "measures/run.hpp"
+#include "measures/tap_names.hpp"
 #include "recordings/columns.hpp"
 #include "recordings/recording_formats.hpp"
 #include "recordings/recording_set.hpp"

@@ -16,7 +16,7 @@
 #include "core/scene/text.hpp"
 #include "hertzline/scene_file.hpp"
 #include "hertzline/simulation.hpp"
-#include "measures/run.hpp"
+#include "measures/measuring.hpp"
 #include "measures/scene_report.hpp"
 #include "recordings/drive_record.hpp"
 

@@ -16,6 +16,7 @@
 #include "apps/python/native/scene_object.hpp"
 #include "core/scene/faults.hpp"
 #include "measures/run.hpp"
+#include "measures/tap_names.hpp"
 
 namespace hertzline::python {
 

@@ -1,0 +1,23 @@
+#pragma once
+// The numbers and warnings of a run that has all its samples, and the warnings of a scene before it runs.
+
+#include <optional>
+#include <string>
+
+#include "hertzline/run.hpp"
+
+namespace hertzline::measures {
+
+/// Adds spectra and warnings to a run that has all its samples.
+/// @param analyser for records of that length and rate; null: no spectra, and no warnings of them
+/// @param band_from_hz as SpectrumAnalyser::analyse
+void measure(Run& run, SpectrumAnalyser* analyser, std::optional<double> band_from_hz);
+
+/// Warnings of a scene before it runs: its validity, and an accuracy that is not kept.
+Warnings scene_warnings(const Resolution& resolved);
+
+/// Returns a warning of a scene that misses its accuracy, with the reason, or may miss it, with the unknown part.
+/// Nothing when it is met.
+std::optional<std::string> missed_accuracy(const Resolution& resolved);
+
+}  // namespace hertzline::measures
