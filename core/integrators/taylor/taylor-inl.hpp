@@ -120,6 +120,18 @@ HWY_INLINE void save_terms(const Expansion<K, Degree, Kind>& e, std::integer_seq
     (save_term<N>(e), ...);
 }
 
+/// The largest overlap of the piece, which may lie within it: that of a parabola through the overlaps at both ends, and the slope at the
+/// first.
+template <std::size_t K, int Degree, Damping Kind>
+HWY_INLINE Vec largest_overlap(const Expansion<K, Degree, Kind>& e, std::size_t k, Vec length) {
+    const Vec begin = e.d[0][k];
+    const Vec end = value_at(e.d, k, length);
+    const Vec rise = e.d[1][k] * length;
+    const Vec bend = begin + rise - end;
+    const Flags within = And(Gt(rise, zero()), Lt(rise, bend + bend));
+    return Max(end, IfThenElse(within, MulAdd(rise, rise / (splat(4.0) * bend), begin), end));
+}
+
 /// Motion, contacts and series go to the chain and the piece.
 template <std::size_t K, int Degree, Damping Kind>
 HWY_INLINE void save(const Expansion<K, Degree, Kind>& e, double length) {
@@ -135,7 +147,7 @@ HWY_INLINE void save(const Expansion<K, Degree, Kind>& e, double length) {
     e.rows.store(ChainField::closed, e.closed);
     e.rows.store(ChainField::overlap, e.overlaps);
     Col<K> peak = e.rows.load(ChainField::peak_overlap);
-    HERTZLINE_EACH_ROW(k, e.rows.count()) peak.set(k, Max(peak[k], value_at(e.d, k, z)));
+    HERTZLINE_EACH_ROW(k, e.rows.count()) peak.set(k, Max(peak[k], largest_overlap(e, k, z)));
     e.rows.store(ChainField::peak_overlap, peak);
     if constexpr (K > 0) {
         save_terms(e, std::make_integer_sequence<int, Degree + 1>());

@@ -7,6 +7,8 @@
 #include <gtest/gtest.h>
 
 #include "core/model/contact_law.hpp"
+#include "hertzline/resolve.hpp"
+#include "hertzline/simulation.hpp"
 #include "tests/support/bare_chain.hpp"
 #include "tests/support/integrators.hpp"
 
@@ -98,6 +100,28 @@ TEST_P(Impact, ASphereThrownAtAWallComesBackAsFastAsItWent) {
         const double left_at = simulation.time_s() + simulation.state().x[0] / speed;
         EXPECT_NEAR(left_at / expected, 1, 1e-5);
         EXPECT_EQ(simulation.contact_events(), 2);
+        EXPECT_NEAR(simulation.state().peak_overlap[1] / largest_overlap(mass, k, speed), 1, 1e-4);
+    }
+}
+
+/// The pieces of a step that the program chooses are long: the largest overlap lies within one of them.
+TEST(SeriesPieces, ShowTheLargestOverlapOfAnImpactWherePiecesAreLong) {
+    for (const double accuracy : {1e-3, 1e-4}) {
+        for (const double speed : {0.01, 0.1, 1.0}) {
+            Scene scene;
+            scene.chain.spheres = 1;
+            scene.chain.preload_n = 0;
+            scene.chain.damping_kg_per_s = 0;
+            scene.chain.impact_velocity_m_per_s = speed;
+            scene.end.kind = EndKind::wall;
+            scene.drive.kind = DriveKind::none;
+            scene.numerics.accuracy = accuracy;
+            Simulation simulation(resolve(scene));
+            simulation.skip(static_cast<std::int64_t>(scene.output.duration_s * scene.output.sample_rate_hz));
+            const double mass = 1 / simulation.chain().inv_mass[0];
+            const double expected = largest_overlap(mass, simulation.chain().stiffness[1], speed);
+            EXPECT_NEAR(simulation.state().peak_overlap[1] / expected, 1, 3e-3) << accuracy << ' ' << speed;
+        }
     }
 }
 

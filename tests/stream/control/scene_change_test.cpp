@@ -46,6 +46,7 @@ TEST(SceneChange, ARecordStaysAsItWasRead) {
     EXPECT_THAT(faults({{"drive.sample_rate_hz", 2e6}}),
                 ElementsAre(Field(&Fault::key, "drive.sample_rate_hz")));
     EXPECT_THAT(faults({{"drive.quantity", "velocity"}}), ElementsAre(Field(&Fault::key, "drive.quantity")));
+    EXPECT_THAT(faults({{"drive.column", "2"}}), ElementsAre(Field(&Fault::key, "drive.column")));
     EXPECT_THAT(faults({{"drive.scale", 2}, {"drive.start_s", 1e-6}}), IsEmpty());
 }
 
