@@ -63,6 +63,13 @@ std::string one_of(const std::vector<std::string>& words) {
     return "one of " + comma_separated(words);
 }
 
+std::string key_of(std::vector<std::string> path) {
+    if (path[0] == "materials" && path.size() == 3 && path[2] == density_alias) {
+        path[2] = density;
+    }
+    return joined(path);
+}
+
 std::vector<std::string> split_at_dots(std::string_view key) {
     std::vector<std::string> parts;
     for (std::size_t begin = 0; begin <= key.size();) {
@@ -128,6 +135,10 @@ void SceneSettings::add_option(const std::string& option) {
     const bool known = knows({path[0]}, place) && knows(path, place);
     if (known) {
         const std::string_view text = trimmed(std::string_view(option).substr(equals + 1), blank);
+        if (text == "null" && entry.empty()) {
+            take_back(key_of(path));
+            return;
+        }
         const auto value = toml_value(text);
         if (const Path section{path[0], path[1]}; parts == 3 && find(joined(section)) == nullptr) {
             set(section, TomlTable{}, place);
@@ -137,14 +148,17 @@ void SceneSettings::add_option(const std::string& option) {
     }
 }
 
-void SceneSettings::set(Path path, TomlValue value, const Place& place, std::string_view entry) {
+void SceneSettings::take_back(const std::string& key) {
+    std::erase_if(settings_, [&](const auto& setting) {
+        return setting.first == key || setting.first.starts_with(key + '[');
+    });
+}
+
+void SceneSettings::set(const Path& path, TomlValue value, const Place& place, std::string_view entry) {
     if (path[0] == "materials" && path.size() == 2) {
         materials_.insert(path[1]);
     }
-    if (path[0] == "materials" && path.size() == 3 && path[2] == density_alias) {
-        path[2] = density;
-    }
-    const std::string key = joined(path) + std::string(entry);
+    const std::string key = key_of(path) + std::string(entry);
     std::erase_if(settings_, [&](const auto& setting) { return setting.first.starts_with(key + '['); });
     const Setting* earlier = find(key);
     // Two lines of the file: TOML itself refuses the same key twice, so one of them is the alias.

@@ -27,7 +27,7 @@ public:
     /// Adds the settings of a text. @returns false when it could not be read at all, so that they are missing
     bool add_file(std::string_view text);
 
-    /// Adds the setting of a --set option, in place of an earlier one.
+    /// Adds the setting of a --set option, in place of an earlier one; "KEY=null" takes that back.
     void add_option(const std::string& option);
 
     /// The setting of the key ("chain.spheres"), or the beginning of the section [materials.NAME]; nullptr: none.
@@ -47,7 +47,8 @@ private:
 
     void add_entry(TomlEntry entry);
     /// @param entry "[2]": of a list; empty: the whole value
-    void set(Path path, TomlValue value, const Place& place, std::string_view entry = {});
+    void set(const Path& path, TomlValue value, const Place& place, std::string_view entry = {});
+    void take_back(const std::string& key);
     bool knows(const Path& path, const Place& place);  // if not, notes the fault
     bool refuse(const Place& place, std::string key, std::string found, std::string allowed);  // always false
 

@@ -125,6 +125,27 @@ TEST(SceneTextGuard, ThousandsOfFaultsAreAllListed) {
     EXPECT_EQ(messages(text).size(), 5000);
 }
 
+TEST(SetOption, NullTakesAValueBack) {
+    const char* const file =
+        "[numerics]\nstep_s=1e-8\n[chain]\nspheres=7\ndiameters_m=[1e-3, 2e-3]\n"
+        "[end]\nmaterial='filled'\n"
+        "[materials.filled]\ndensity=-1\nyoungs_modulus_pa=1e9\npoissons_ratio=0.3\n";
+    const Scene scene =
+        scene_of(file, {"numerics.step_s=null", "numerics.accuracy=1e-5", "chain.spheres = null",
+                        "chain.diameters_m[2]=3mm", "chain.diameters_m=null", "materials.filled.density=null",
+                        "materials.filled.density_kg_per_m3=2000"});
+    EXPECT_FALSE(scene.numerics.step_s);
+    EXPECT_EQ(scene.numerics.accuracy, 1e-5);
+    EXPECT_EQ(scene.chain.spheres, Scene().chain.spheres);
+    EXPECT_TRUE(scene.chain.diameters_m.empty());
+    EXPECT_EQ(scene_of(file, {"materials.filled.density=2000", "chain.spheres=null", "chain.spheres=8"})
+                  .chain.spheres,
+              8);
+    EXPECT_THAT(messages("", {"chain.sphere=null"}), ElementsAre(HasSubstr("did you mean")));
+    EXPECT_THAT(messages(file, {"materials.filled.density=2000", "chain.diameters_m[2]=null"}),
+                ElementsAre(HasSubstr("chain.diameters_m[2]: found \"null\"")));
+}
+
 TEST(SetOption, ReplacesWhatTheFileSays) {
     const Scene scene =
         scene_of("[chain]\nspheres=7\npreload_n=1", {"chain.spheres=9", "drive.frequency_hz=50e3"});
