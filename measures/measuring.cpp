@@ -96,9 +96,10 @@ void measure(Run& run, SpectrumAnalyser* analyser, std::optional<double> band_fr
 }
 
 Warnings scene_warnings(const Resolution& resolved) {
-    const Scene first = element_scene(resolved.scene, 0);
+    const bool array = is_array(resolved.scene);
+    const Scene first = array ? element_scene(resolved.scene, 0) : resolved.scene;
     Warnings warnings = validity_warnings(first, Chain(first));
-    if (is_array(resolved.scene)) {
+    if (array) {
         append(warnings, array_warnings(resolved.scene));
     }
     if (auto missed = missed_accuracy(resolved)) {

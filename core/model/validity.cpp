@@ -120,7 +120,10 @@ std::string one_of_quoted(std::span<const std::string_view> words) {
 void warn_of_unused_keys(const Scene& scene, std::vector<std::string>& warnings) {
     const Scene untouched;
     for (const SceneKey& key : scene_keys()) {
-        if (!key.has_effect(scene) && key.value(scene) != key.value(untouched)) {
+        const bool of_no_array = key.section() == "array" && scene.array.x_m.empty();
+        if (of_no_array && key.value(scene) != key.value(untouched)) {
+            warnings.push_back(key.name + " has no effect without array.x_m");
+        } else if (!key.has_effect(scene) && key.value(scene) != key.value(untouched)) {
             const KeyTraits& traits = key.traits;
             const SceneKey* const list = key.replacement(scene);
             warnings.push_back(key.name + " has no effect " +
@@ -140,6 +143,12 @@ void warn_of_unused_numbers(const Scene& scene, std::vector<std::string>& warnin
     }
     if (chain.seed != untouched.seed && chain.tolerance == 0 && chain.preload_tolerance == 0) {
         warnings.emplace_back("chain.seed has no effect without chain.tolerance or chain.preload_tolerance");
+    }
+    if (chain.preload_tolerance != 0 && chain.preload_n == 0) {
+        warnings.emplace_back("chain.preload_tolerance has no effect without chain.preload_n");
+    }
+    if (scene.numerics.rest_tolerance != 0 && chain.preload_n == 0) {
+        warnings.emplace_back("numerics.rest_tolerance has no effect without chain.preload_n");
     }
 }
 
@@ -248,6 +257,14 @@ void add_record(const Scene& scene, std::vector<std::string>& warnings) {
     if (record.drift_removed) {
         warnings.push_back("the record of drive.file drifts by " + briefly(record.drift_m_per_s) +
                            " m/s, which is removed");
+    }
+    constexpr double far = 0.03;  // of the largest displacement
+    if (!record.drift_removed && record.end_displacement_m > far * record.largest_displacement_m) {
+        warnings.push_back("the record of drive.file ends " + briefly(record.end_displacement_m) +
+                           " m from its beginning, " +
+                           percent(record.end_displacement_m / record.largest_displacement_m) +
+                           " of its largest displacement, and the horn stays there; a drift of the "
+                           "instrument, which its ends do not show, has to be taken off first");
     }
     constexpr double fewest = 7;  // samples in a period of a spline of degree 7 that errs by 1e-6
     if (const double samples = *drive.sample_rate_hz / record.mean_frequency_hz;

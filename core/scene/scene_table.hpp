@@ -13,6 +13,7 @@
 namespace hertzline::table {
 
 inline constexpr Need plate{"end.kind", {"plate"}};
+inline constexpr Need body{"end.kind", {"plate", "wall"}};
 inline constexpr Need modal{"end.model", {"modal"}};
 inline constexpr Need horn{"drive.kind", {"tone", "file", "live"}};
 inline constexpr Need bursts{"drive.kind", {"tone", "file"}};
@@ -209,7 +210,8 @@ void visit_scene(AnyScene& scene, const Visit& visit) {
                theory, materials, thicknesses_m, loss_factors] = scene.end;
         const auto row = [&](auto& member, const KeyRow& facts) { visit("end", member, facts); };
         row(kind, {"kind", {}, "a clamped disc, an immovable wall, only the preload"});
-        row(material, {"material", {}, "of the disc or wall", {.replaced_by = "end.materials"}});
+        row(material,
+            {"material", {}, "of the disc or wall", {.needs = body, .replaced_by = "end.materials"}});
         row(radius_m, {"radius_m", {1e-9, 10, "m"}, "of the disc", {.needs = plate}});
         row(thickness_m, {"thickness_m",
                           {1e-9, 10, "m"},

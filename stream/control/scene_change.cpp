@@ -55,7 +55,8 @@ std::vector<Fault> frame_faults(const Scene& from, const Scene& to) {
         add("output.frame_samples");
     }
     if (from.output.duration_s != to.output.duration_s) {
-        add("output.duration_s");
+        add("output.duration_s",
+            "the value at the start of the stream, which ends when it is stopped or after --duration");
     }
     if (from.chain.spheres != to.chain.spheres) {
         add("chain.spheres");

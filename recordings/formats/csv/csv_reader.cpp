@@ -112,15 +112,20 @@ private:
                           [&](const Json& column, const Column& own) { return is(column, own.name); });
     }
 
-    /// Whether samples follow each other in the first rows. Lost ones may lie between some.
+    /// Whether the first rows are samples at that rate, to within the last digits of their times, and some follow each other.
     bool is_rate_of_the_times(double rate_hz) {
-        constexpr std::size_t enough_rows = 100;
+        constexpr std::size_t enough_rows = 1000;
+        constexpr double rounding = 1e-3;  // of a sample
         TimeDigits digits;
         const std::vector<double> times = first_times(digits, enough_rows);
         go_to_row(0);
         double shortest = std::numeric_limits<double>::infinity();
-        for (std::size_t i = 1; i < times.size(); ++i) {
-            shortest = std::min(shortest, (times[i] - times[i - 1]) * rate_hz);
+        for (std::size_t i = 0; i < times.size(); ++i) {
+            const double sample = times[i] * rate_hz;
+            if (std::abs(sample - std::round(sample)) > digits.last_place(times[i]) * rate_hz + rounding) {
+                return false;
+            }
+            shortest = i > 0 ? std::min(shortest, sample - times[i - 1] * rate_hz) : shortest;
         }
         return times.size() < 2 || std::round(shortest) == 1;
     }

@@ -156,6 +156,24 @@ TEST(Validity, KeysThatListsReplaceAreNoticed) {
                 testing::Contains("end.thicknesses_m[2] is 1 m; were millimetres meant?"));
 }
 
+TEST(Validity, ARecordThatEndsAwayFromItsBeginningIsNoticed) {
+    const auto warnings_of = [](double share) {
+        return warnings_after([share](Scene& s) {
+            s.drive.kind = DriveKind::file;
+            s.drive.record = "horn.csv";
+            s.drive.sample_rate_hz = 10e6;
+            for (int i = 0; i <= 400; ++i) {
+                const double t = i / 400.0;
+                const double bump = 0.5 * (1 - std::cos(2 * std::numbers::pi * t));
+                s.drive.samples.push_back(1e-6 * (bump + share * t * t * (3 - 2 * t)));
+            }
+        });
+    };
+    const auto noticed = HasSubstr("of its largest displacement, and the horn stays there");
+    EXPECT_THAT(warnings_of(0.01), testing::Not(testing::Contains(noticed)));
+    EXPECT_THAT(warnings_of(0.1), testing::Contains(noticed));
+}
+
 TEST(Validity, ADriveThatTheChainDoesNotPassOnIsNoticed) {
     EXPECT_THAT(warnings_after([](Scene& s) { s.drive.frequency_hz = 3e6; }),
                 ElementsAre(HasSubstr("times the highest that the chain passes on")));

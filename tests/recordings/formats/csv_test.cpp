@@ -483,6 +483,17 @@ TEST(CsvReader, MetadataOfAnotherTableAreLeftOutWithAWarning) {
                 ElementsAre(HasSubstr(
                     "a.csv-metadata.json: left out, because the times are not those of its 1000 Hz")));
     EXPECT_THAT(warnings_with("t_s,u\n0,1\n0.001,1\n", own), ElementsAre(HasSubstr("other columns")));
+    for (const double rate : {500, 700, 900, 990, 1001, 1100, 1300, 1400, 2000}) {
+        const auto other = open_csv_writer(file, recording_head({"v"}, rate));
+        other->write(0, std::vector<double>(1200, 0.5));
+        other->commit();
+        write_text(csv_metadata_path(file), own);
+        std::vector<std::string> warnings;
+        ReadOptions options;
+        options.warn = [&](const std::string& text) { warnings.push_back(text); };
+        EXPECT_NEAR(open_csv_reader(file, options)->head().sample_rate_hz, rate, 1e-9 * rate);
+        EXPECT_THAT(warnings, ElementsAre(HasSubstr("not those of its 1000 Hz"))) << rate;
+    }
     EXPECT_THAT(warnings_with("t_s,v,u\n0,1,1\n0.001,1,1\n", own), ElementsAre(HasSubstr("other columns")));
     for (const char* text : {"[]", "{}", "7", R"({"urn:hertzline:sample_rate_hz": "x"})"}) {
         EXPECT_THAT(warnings_with(same, text),
