@@ -123,6 +123,11 @@ std::optional<std::string> missed_accuracy(const Resolution& resolved) {
     if (constexpr double far_too_many = 1e8; resolved.steps_per_burst > far_too_many) {
         why = fmt::format("; the scene is too stiff: with its steps of {:.2g} s a burst takes {:.2g}",
                           *resolved.scene.numerics.step_s, resolved.steps_per_burst);
+    } else if (resolved.estimate && resolved.estimate->of_fit > 0.5 * resolved.estimate->error) {
+        why =
+            "; no step changes that: fits of the plate's response by other numbers of poles differ by as "
+            "much, because the contact's "
+            "force has parts beyond the band that is fitted (fit_band_hz of check)";
     } else if (resolved.estimate && resolved.estimate->amplifies) {
         why =
             "; the motion amplifies rounding errors, so that no step is good enough: judge it by "

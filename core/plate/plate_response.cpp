@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numbers>
 #include <utility>
+#include <vector>
 
 #include "core/plate/disc_pair.hpp"
 #include "core/plate/exact_plate.hpp"
@@ -333,6 +334,8 @@ struct ResponseKey {
 };
 constexpr std::size_t most_responses = 256;  // 20 kB each: those of all threads of a sweep
 
+constexpr int most_poles = 64;
+
 }  // namespace
 
 std::shared_ptr<const PlateResponse> plate_response(const PlateParameters& parameters, int poles) {
@@ -347,19 +350,40 @@ std::shared_ptr<const ModeResponse> mode_response(const PlateResponse& response)
 
 int poles_for(const PlateParameters& parameters, double accuracy) {
     constexpr int fewest = 16;
-    constexpr int most_poles = 64;
     constexpr int more = 4;
     constexpr double share = 0.25;
+    const auto is_passive = [&](int poles) {
+        return plate_response(parameters, poles)->least_resistance >= 0;
+    };
     for (int count = fewest; count < most_poles;) {
-        const auto response = plate_response(parameters, count);
-        const double excess = response->fit_error() / (share * accuracy);
-        if (excess <= 1 && response->least_resistance >= 0) {
+        const double excess = plate_response(parameters, count)->fit_error() / (share * accuracy);
+        if (excess <= 1 && is_passive(count)) {
             return count;
         }
         // with four poles more the error falls by no more than ten times, as a rule
         count += more * std::max(1, static_cast<int>(std::log10(excess)));
     }
-    return most_poles;
+    constexpr std::array finest{most_poles, 62, 60, 58, 56};
+    const auto* const passive = std::ranges::find_if(finest, is_passive);
+    return passive != finest.end() ? *passive : most_poles;
+}
+
+int fine_poles(const PlateParameters& parameters, int other_than, std::size_t place) {
+    std::vector<int> passive;
+    std::vector<int> all;
+    for (const int poles : {60, 62, 58, most_poles, 56, 54, 52}) {
+        if (poles == other_than) {
+            continue;
+        }
+        all.push_back(poles);
+        if (plate_response(parameters, poles)->least_resistance >= 0) {
+            passive.push_back(poles);
+        }
+        if (passive.size() > place) {
+            return passive.back();
+        }
+    }
+    return all[place];
 }
 
 }  // namespace hertzline

@@ -3,6 +3,7 @@
 // of the last contact drives (docs/model.md, section 10).
 
 #include <algorithm>
+#include <cstddef>
 #include <memory>
 #include <vector>
 
@@ -54,7 +55,11 @@ struct ModeResponse {
 /// The latest are kept, as of plate_response(). @throws std::bad_alloc
 std::shared_ptr<const ModeResponse> mode_response(const PlateResponse& response);
 
-/// As few poles as bring both errors below a share of the accuracy; as many as there may be if none do.
+/// As few poles as bring both errors below a share of the accuracy, in a passive fit; about as many as there may be if none do.
 int poles_for(const PlateParameters& parameters, double accuracy);
+
+/// The poles of a fit that is about as good as any, and passive if there is one: what a motion makes of the errors of fits shows in
+/// their difference. @param other_than the poles of the fit that it is compared with @param place 0 or 1: one of two such fits
+int fine_poles(const PlateParameters& parameters, int other_than, std::size_t place = 0);
 
 }  // namespace hertzline

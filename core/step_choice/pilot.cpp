@@ -60,17 +60,11 @@ Scene with_finer_fit(Scene scene, std::size_t other) {
     if (!provides(scene, Requires::modal_plate)) {
         return scene;
     }
-    constexpr int many = 60;
     const PlateParameters parameters = plate_parameters(scene);
     const int given = plate_poles(scene);
-    // the sounds of several discs may cancel, and their motions amplify, which no error of a fit tells: another fit, about as good, shows it
-    const bool array = is_array(scene);
-    const std::array<int, 2> others = given < many    ? std::array{60, 62}
-                                      : given == many ? std::array{62, 64}
-                                      : given == 62   ? std::array{64, 60}
-                                                      : std::array{62, 60};
-    const int poles = array ? others.at(other) : many;
-    const double share = array ? 10 : 1;
+    const int poles = fine_poles(parameters, given, other);
+    constexpr int as_fine = 52;
+    const double share = is_array(scene) || given >= as_fine ? 10 : 1;
     const bool better =  // of a plate in a vacuum few poles are exact
         plate_response(parameters, poles)->fit_error() <
         share * plate_response(parameters, given)->fit_error();

@@ -32,8 +32,8 @@ Scene with_step(Scene scene, Integrator integrator, double step_s);
 /// The scene without a tolerance of rest: motion that sleep cuts off is no error of the step.
 Scene without_sleep(Scene scene);
 
-/// The scene with a fit of a modal plate's response that is as good as any: the motion may amplify the error of a coarser one.
-/// @param other of an array: 0 or 1, one of two fits other than the scene's
+/// The scene with another fit of a modal plate's response, as good as any: the motion may amplify the error of a fit, or hear more of it
+/// than the fit's own error tells. @param other 0 or 1: one of two such fits
 Scene with_finer_fit(Scene scene, std::size_t other = 0);
 
 /// The scene with no more points than pilots can afford to judge: a part of them, evenly spread.

@@ -212,6 +212,7 @@ bool ReferencePilot::needs_finer_fit() {
 
 void ReferencePilot::take_finer_fit() {
     scene_ = with_finer_fit(std::move(scene_));
+    other_fit_.emplace(with_finer_fit(scene_), reference_integrator, step_s_, stop_);
 }
 
 Trial ReferencePilot::trial(Integrator integrator, double step_s, double rest_tolerance) {
@@ -273,13 +274,20 @@ ErrorEstimate ReferencePilot::estimate(Trial& trial, std::optional<double> run_s
     const auto of_run = shortened_ ? &Difference::of_any : &Difference::of_output;
     const double own = own_error(samples).*of_run;
     const bool amplifies = own > amplified_rounding;
+    double of_fit = 0;
+    if (other_fit_) {
+        other_fit_->run_to(samples);
+        of_fit = difference(*other_fit_, motion_, samples).*of_run;
+    }
     const Difference found = difference(trial.pilot, motion_, samples);
     const WrongSides wrong = unseen_wrong_sides(trial.pilot, samples, found);
     constexpr double improbable = 0.005;  // samples on the wrong side
     const bool by_chance = !amplifies && wrong.count > improbable && found.loudness > 0;
     const double beside = by_chance ? wrong.norm / found.loudness : 0;
-    return {std::max({found.*of_run, beside, with_safety_factor(own)}), static_cast<double>(samples) / rate,
-            amplifies};
+    return {.error = std::max({found.*of_run, beside, with_safety_factor(own)}) + of_fit,
+            .over_s = static_cast<double>(samples) / rate,
+            .amplifies = amplifies,
+            .of_fit = of_fit};
 }
 
 }  // namespace hertzline

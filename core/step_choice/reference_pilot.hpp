@@ -75,7 +75,7 @@ public:
     bool needs_finer_fit();
     /// The error of the motion over that of the response, as needs_finer_fit() has found it; at least 1.
     double fit_amplification() const noexcept { return fit_amplification_; }
-    /// Trials have the reference's fit from now on.
+    /// Trials have the reference's fit from now on. By how much another fit changes the motion is then a part of estimates.
     void take_finer_fit();
 
     /// A pilot with that step, compared with the reference. One that errs by far too much early is not completed: its error is then
@@ -120,6 +120,7 @@ private:
     Scene scene_;       // sampled as pilots are
     Pilot motion_;
     Pilot finer_;
+    std::optional<Pilot> other_fit_;
     Eigen::ArrayXd peak_overlap_;
     std::size_t watched_ = 0;   // samples; 0: the reference itself failed
     bool shortened_ = false;    // the chain is longer than the pilots'

@@ -25,6 +25,8 @@ struct ErrorEstimate {
     double error = 0;        ///< relative L2 of the worst of v_last and the outputs of the plate
     double over_s = 0;       ///< [s]
     bool amplifies = false;  ///< the motion amplifies rounding errors: no step brings the error down to them
+    double of_fit =
+        0;  ///< part of it that no step changes: by how much fits of a modal plate's response differ
 };
 
 /// Returns the larger error, with its stretch; an unknown one is the worst.

@@ -168,7 +168,7 @@ Judgement judged(const Scene& asked, const Truth& truth, double accuracy) {
             .error = difference(outputs_of(resolved.scene), truth.outputs),
             .truth_error = truth.error,
             .estimate = resolved.estimate ? std::optional(resolved.estimate->error) : std::nullopt,
-            .warned = resolved.misses_accuracy(),
+            .warned = resolved.misses_accuracy() || resolved.may_miss_accuracy(),
             .integrator = *resolved.scene.numerics.integrator};
 }
 
