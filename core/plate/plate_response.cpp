@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdlib>
 #include <numbers>
 #include <utility>
 #include <vector>
@@ -369,10 +370,11 @@ int poles_for(const PlateParameters& parameters, double accuracy) {
 }
 
 int fine_poles(const PlateParameters& parameters, int other_than, std::size_t place) {
+    constexpr int apart = 4;  // fits of nearly as many poles have nearly the same errors
     std::vector<int> passive;
     std::vector<int> all;
-    for (const int poles : {60, 62, 58, most_poles, 56, 54, 52}) {
-        if (poles == other_than) {
+    for (const int poles : {60, most_poles, 56, 52, 62, 58, 54}) {
+        if (std::abs(poles - other_than) < apart) {
             continue;
         }
         all.push_back(poles);

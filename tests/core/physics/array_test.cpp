@@ -323,8 +323,9 @@ TEST(Array, TheEstimateSeesThatMotionsAmplifyTheErrorOfTheFit) {
         scene.numerics.poles = poles;
         return channel(samples_of(scene), Tap::v_last, 2);
     };
-    for (const std::int64_t poles : {60, 64}) {
-        const double difference = relative_l2(with_poles(62), with_poles(poles));
+    // fits of 58 to 62 poles are alike here, and so are those of 52, 54 and 64
+    for (const std::int64_t poles : {60, 62, 64}) {
+        const double difference = relative_l2(with_poles(poles == 64 ? 60 : 64), with_poles(poles));
         const Resolution settled = resolve(scene, scene.output.duration_s);
         ASSERT_THAT(settled.faults, IsEmpty());
         EXPECT_GE(settled.estimate->error, 0.9 * difference) << poles;
