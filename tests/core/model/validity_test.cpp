@@ -160,7 +160,7 @@ TEST(Validity, ARecordThatEndsAwayFromItsBeginningIsNoticed) {
     const auto warnings_of = [](double share) {
         return warnings_after([share](Scene& s) {
             s.drive.kind = DriveKind::file;
-            s.drive.record = "horn.csv";
+            s.drive.file = "horn.csv";
             s.drive.sample_rate_hz = 10e6;
             for (int i = 0; i <= 400; ++i) {
                 const double t = i / 400.0;
