@@ -3,7 +3,9 @@
 
 #include "core/step_choice/reference_pilot.hpp"
 
+#include <algorithm>
 #include <cmath>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -203,6 +205,38 @@ TEST(Estimate, AReferenceThatCannotJudgeTheAccuracyTakesShorterPieces) {
         EXPECT_FALSE(judgement.warned);
         EXPECT_LE(*judgement.estimate, accuracy);
     }
+}
+
+/// A dashpot without preload pushes at once when its contact closes: that is heard far beyond the band that a plate's response is fitted in.
+TEST(Estimate, SeesWhatAForceThatJumpsMakesOfTheFitOfAPlate) {
+    Scene scene = parse_scene(find_shipped_scene("wet-vitreous-carbon")->text, "scene")->scene;
+    scene.chain.material = "acrylic";
+    scene.chain.spheres = 2;
+    scene.chain.diameter_m = 2e-3;
+    scene.chain.preload_n = 0;
+    scene.chain.damping_kg_per_s = 15;
+    scene.output.duration_s = 0.3e-3;
+    scene.numerics.accuracy = 1e-6;
+    const Resolution settled = resolve(scene);
+    ASSERT_TRUE(settled.estimate.has_value());
+    const auto sound_by = [&](std::int64_t poles) {
+        Scene fitted = settled.scene;
+        fitted.numerics.poles = poles;
+        Simulation simulation(fitted, {.taps = Tap::p_axis});
+        Samples samples = simulation.make_samples(3001);
+        EXPECT_EQ(simulation.advance(samples, samples.capacity()), Status::running);
+        const auto values = samples[Tap::p_axis];
+        return std::vector<double>(values.begin(), values.end());
+    };
+    const std::vector<double> sound = sound_by(*settled.scene.numerics.poles);
+    double largest = 0;
+    for (const std::int64_t poles : {56, 60, 62, 64}) {
+        largest = std::max(largest, relative_l2(sound_by(poles), sound));
+    }
+    EXPECT_GT(largest, 1e-5) << "this tests nothing";
+    EXPECT_GT(settled.estimate->error, largest / 3);
+    EXPECT_GT(settled.estimate->of_fit, 0.5 * settled.estimate->error);
+    EXPECT_TRUE(settled.misses_accuracy());
 }
 
 TEST(Estimate, StepsPerBurstAreThoseThatARunTakes) {
