@@ -121,15 +121,14 @@ void warn_of_unused_keys(const Scene& scene, std::vector<std::string>& warnings)
     const Scene untouched;
     for (const SceneKey& key : scene_keys()) {
         const bool of_no_array = key.section() == "array" && scene.array.x_m.empty();
-        if (of_no_array && key.value(scene) != key.value(untouched)) {
-            warnings.push_back(key.name + " has no effect without array.x_m");
-        } else if (!key.has_effect(scene) && key.value(scene) != key.value(untouched)) {
+        if ((of_no_array || !key.has_effect(scene)) && key.value(scene) != key.value(untouched)) {
             const KeyTraits& traits = key.traits;
             const SceneKey* const list = key.replacement(scene);
             warnings.push_back(key.name + " has no effect " +
-                               (list != nullptr ? "beside " + list->name
-                                                : "without " + std::string(traits.needs.key) + " = " +
-                                                      one_of_quoted(traits.needs.words)));
+                               (of_no_array       ? "without array.x_m"
+                                : list != nullptr ? "beside " + list->name
+                                                  : "without " + std::string(traits.needs.key) + " = " +
+                                                        one_of_quoted(traits.needs.words)));
         }
     }
 }

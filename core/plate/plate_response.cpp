@@ -337,6 +337,10 @@ constexpr std::size_t most_responses = 256;  // 20 kB each: those of all threads
 
 constexpr int most_poles = 64;
 
+bool is_passive(const PlateParameters& parameters, int poles) {
+    return plate_response(parameters, poles)->least_resistance >= 0;
+}
+
 }  // namespace
 
 std::shared_ptr<const PlateResponse> plate_response(const PlateParameters& parameters, int poles) {
@@ -353,19 +357,17 @@ int poles_for(const PlateParameters& parameters, double accuracy) {
     constexpr int fewest = 16;
     constexpr int more = 4;
     constexpr double share = 0.25;
-    const auto is_passive = [&](int poles) {
-        return plate_response(parameters, poles)->least_resistance >= 0;
-    };
     for (int count = fewest; count < most_poles;) {
         const double excess = plate_response(parameters, count)->fit_error() / (share * accuracy);
-        if (excess <= 1 && is_passive(count)) {
+        if (excess <= 1 && is_passive(parameters, count)) {
             return count;
         }
         // with four poles more the error falls by no more than ten times, as a rule
         count += more * std::max(1, static_cast<int>(std::log10(excess)));
     }
     constexpr std::array finest{most_poles, 62, 60, 58, 56};
-    const auto* const passive = std::ranges::find_if(finest, is_passive);
+    const auto* const passive =
+        std::ranges::find_if(finest, [&](int poles) { return is_passive(parameters, poles); });
     return passive != finest.end() ? *passive : most_poles;
 }
 
@@ -378,7 +380,7 @@ int fine_poles(const PlateParameters& parameters, int other_than, std::size_t pl
             continue;
         }
         all.push_back(poles);
-        if (plate_response(parameters, poles)->least_resistance >= 0) {
+        if (is_passive(parameters, poles)) {
             passive.push_back(poles);
         }
         if (passive.size() > place) {

@@ -58,9 +58,8 @@ std::shared_ptr<const ModeResponse> mode_response(const PlateResponse& response)
 /// As few poles as bring both errors below a share of the accuracy, in a passive fit; about as many as there may be if none do.
 int poles_for(const PlateParameters& parameters, double accuracy);
 
-/// The poles of a fit that is about as good as any, and passive if there is one: what a motion makes of the errors of fits shows in
-/// their difference. @param other_than the poles of the fit that it is compared with, from which it has four more or less at least
-/// @param place 0 or 1: one of two such fits
+/// The number of poles of a second fit, to compare motions with: 52 to 64, in a passive fit where there is one.
+/// @param other_than the poles of the first fit; the second has four more or fewer at least @param place 0 or 1: one of two such fits
 int fine_poles(const PlateParameters& parameters, int other_than, std::size_t place = 0);
 
 }  // namespace hertzline

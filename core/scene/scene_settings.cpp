@@ -159,14 +159,14 @@ void SceneSettings::set(const Path& path, TomlValue value, const Place& place, s
         materials_.insert(path[1]);
     }
     const std::string key = key_of(path) + std::string(entry);
-    std::erase_if(settings_, [&](const auto& setting) { return setting.first.starts_with(key + '['); });
     const Setting* earlier = find(key);
     // Two lines of the file: TOML itself refuses the same key twice, so one of them is the alias.
     if (earlier != nullptr && place.line != 0 && earlier->place.line != 0) {
         refuse(place, key, found_text(value),
                std::string(density_alias) + " or " + std::string(density) + ", not both");
     }
-    settings_.insert_or_assign(key, Setting{std::move(value), place});
+    take_back(key);
+    settings_.emplace(key, Setting{std::move(value), place});
 }
 
 const Setting* SceneSettings::find(const std::string& key) const {

@@ -48,7 +48,7 @@ private:
     void add_entry(TomlEntry entry);
     /// @param entry "[2]": of a list; empty: the whole value
     void set(const Path& path, TomlValue value, const Place& place, std::string_view entry = {});
-    void take_back(const std::string& key);
+    void take_back(const std::string& key);            ///< also the entries of a list
     bool knows(const Path& path, const Place& place);  // if not, notes the fault
     bool refuse(const Place& place, std::string key, std::string found, std::string allowed);  // always false
 

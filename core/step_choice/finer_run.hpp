@@ -34,7 +34,7 @@ std::optional<Resolution> with_stable_step(Resolution tried, const Chain& chain,
 /// A run's scene with shorter steps. Follows the run.
 class FinerRun {
 public:
-    /// @param capacity of the run's blocks @param stop, max_steps as of SimulationOptions @param fit as of with_finer_fit().
+    /// @param capacity of the run's blocks @param stop, max_steps as of SimulationOptions @param fit as of with_another_fit().
     /// @throws std::bad_alloc
     FinerRun(const ResolvedScene& scene, std::size_t capacity, const std::atomic<bool>* stop,
              std::int64_t max_steps = SimulationOptions{}.max_steps, std::size_t threads = 1,

@@ -10,7 +10,7 @@ namespace {
 constexpr double affordable_body_pieces = 3e7;  // of the reference: thirty times those of ReferencePilot
 
 JudgedRun reference_with(const Scene& scene, double step_s, const std::atomic<bool>* stop) {
-    const Scene better = with_finer_fit(without_sleep(with_step(scene, Integrator::taylor12, step_s)));
+    const Scene better = with_another_fit(without_sleep(with_step(scene, Integrator::taylor12, step_s)));
     return {with_few_points(better), pilot_block, stop};
 }
 

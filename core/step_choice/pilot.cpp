@@ -56,7 +56,7 @@ Scene without_sleep(Scene scene) {
     return scene;
 }
 
-Scene with_finer_fit(Scene scene, std::size_t other) {
+Scene with_another_fit(Scene scene, std::size_t other) {
     if (!provides(scene, Requires::modal_plate)) {
         return scene;
     }

@@ -32,9 +32,9 @@ Scene with_step(Scene scene, Integrator integrator, double step_s);
 /// The scene without a tolerance of rest: motion that sleep cuts off is no error of the step.
 Scene without_sleep(Scene scene);
 
-/// The scene with another fit of a modal plate's response, as good as any: the motion may amplify the error of a fit, or hear more of it
-/// than the fit's own error tells. @param other 0 or 1: one of two such fits
-Scene with_finer_fit(Scene scene, std::size_t other = 0);
+/// The scene with another fit of a modal plate's response, about as good as any: the motions' difference shows the effect of a fit's
+/// error, which may be far larger than that error. @param other 0 or 1: one of two such fits
+Scene with_another_fit(Scene scene, std::size_t other = 0);
 
 /// The scene with no more points than pilots can afford to judge: a part of them, evenly spread.
 Scene with_few_points(Scene scene);

@@ -120,7 +120,7 @@ private:
     Scene scene_;       // sampled as pilots are
     Pilot motion_;
     Pilot finer_;
-    std::optional<Pilot> other_fit_;
+    std::optional<Pilot> other_fit_;  // where trials have that of the reference
     Eigen::ArrayXd peak_overlap_;
     std::size_t watched_ = 0;   // samples; 0: the reference itself failed
     bool shortened_ = false;    // the chain is longer than the pilots'

@@ -89,7 +89,7 @@ void estimate(Resolution& result, ReferencePilot& reference, std::optional<Trial
         return;
     }
     ErrorEstimate found = reference.estimate(*trial, result.run_s);
-    const double of_reference = reference.fit_amplification() * pole_error(with_finer_fit(result.scene));
+    const double of_reference = reference.fit_amplification() * pole_error(with_another_fit(result.scene));
     found.error = std::max(found.error, least_error) + of_reference;
     if (!std::isfinite(found.error)) {
         return;
@@ -210,7 +210,7 @@ Resolution resolve(const Scene& asked, std::optional<double> run_s, const std::a
     ReferencePilot reference = reference_for(result.scene, result, stop);
     if (reference.needs_finer_fit() && !asked.numerics.poles) {
         reference.take_finer_fit();
-        result.scene = with_finer_fit(std::move(result.scene));
+        result.scene = with_another_fit(std::move(result.scene));
     }
     AdvisedStep advised = advise(result.scene, reference);
     result.advice = advised.advice;

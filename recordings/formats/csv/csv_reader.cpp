@@ -81,19 +81,18 @@ private:
         const OutsideJson described(metadata);
         const double rate = described.number("urn:hertzline:sample_rate_hz").value_or(0);
         const Json& columns = described.at("tableSchema/columns");
-        if (!(rate > 0) || !std::isfinite(rate)) {
-            options_.tell(path.string() +
-                          ": left out, because it has no urn:hertzline:sample_rate_hz above 0");
+        const auto left_out = [&](const std::string& why) {
+            options_.tell(path.string() + ": left out, because " + why);
             return false;
+        };
+        if (!(rate > 0) || !std::isfinite(rate)) {
+            return left_out("it has no urn:hertzline:sample_rate_hz above 0");
         }
         if (!are_those_of_the_file(columns)) {
-            options_.tell(path.string() + ": left out, because it describes other columns");
-            return false;
+            return left_out("it describes other columns");
         }
         if (!lines_.is_pipe() && !is_rate_of_the_times(rate)) {
-            options_.tell(path.string() + ": left out, because the times are not those of its " +
-                          number_text(rate) + " Hz");
-            return false;
+            return left_out("the times are not those of its " + number_text(rate) + " Hz");
         }
         head_.sample_rate_hz = rate;
         head_.provenance = described.at("urn:hertzline:provenance");
@@ -118,7 +117,6 @@ private:
         constexpr double rounding = 1e-3;  // of a sample
         TimeDigits digits;
         const std::vector<double> times = first_times(digits, enough_rows);
-        go_to_row(0);
         double shortest = std::numeric_limits<double>::infinity();
         for (std::size_t i = 0; i < times.size(); ++i) {
             const double sample = times[i] * rate_hz;
@@ -183,7 +181,6 @@ private:
                 go_to_row(fault.row());
                 lines_.fail(fault.what());
             }
-            go_to_row(0);
         }
         head_.sample_rate_hz = axis_.sample_rate_hz();
     }
@@ -195,7 +192,7 @@ private:
         }
     }
 
-    /// Returns the times of the first rows, up to one that is not above the one before.
+    /// Returns the times of the first rows, up to one that is not above the one before, and goes back to the first.
     std::vector<double> first_times(TimeDigits& digits, std::size_t enough_rows = 100'000) {
         constexpr std::int64_t enough_bytes = 16 << 20;
         std::vector<double> times;
@@ -206,6 +203,7 @@ private:
             more = increases && lines_.place().byte - names_.first_row.byte < enough_bytes &&
                    CsvNumbers::next(lines_);
         }
+        go_to_row(0);
         digits.decimals -= static_cast<int>(std::round(std::log10(names_.time_unit_s)));
         return times;
     }

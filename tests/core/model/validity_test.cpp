@@ -107,13 +107,26 @@ TEST(Validity, KeysThatAskForANumberOrALawAreNoticed) {
             s.chain.damping_alpha = 0.1;
             s.chain.impact_spheres = 2;
             s.chain.seed = 7;
+            s.chain.preload_n = 0;
             s.numerics.poles = 30;
+            s.numerics.rest_tolerance = 1e-3;
+            s.array.coupling = Coupling::none;
         }),
         ElementsAre("chain.damping_time_s has no effect without chain.damping_law = \"kuwabara_kono\"",
                     "chain.damping_alpha has no effect without chain.damping_law = \"tsuji\"",
+                    "array.coupling has no effect without array.x_m",
                     "numerics.poles has no effect without end.model = \"modal\"",
                     "chain.impact_spheres has no effect without chain.impact_velocity_m_per_s",
-                    "chain.seed has no effect without chain.tolerance or chain.preload_tolerance"));
+                    "chain.seed has no effect without chain.tolerance or chain.preload_tolerance",
+                    "numerics.rest_tolerance has no effect without chain.preload_n"));
+    EXPECT_THAT(warnings_after([](Scene& s) {
+                    s.end.kind = EndKind::free;
+                    s.end.material = "steel";
+                    s.chain.preload_n = 0;
+                    s.chain.preload_tolerance = 0.1;
+                }),
+                ElementsAre("end.material has no effect without end.kind = \"plate\" or \"wall\"",
+                            "chain.preload_tolerance has no effect without chain.preload_n"));
     EXPECT_THAT(warnings_after([](Scene& s) {
                     s.chain.damping_law = DampingLaw::tsuji;
                     s.chain.damping_alpha = 0.1;

@@ -463,17 +463,19 @@ TEST(CsvReader, MetadataOfAnotherTableAreLeftOutWithAWarning) {
     writer->write(0, std::vector<double>(10, 0.5));
     writer->commit();
     const std::string own = contents(csv_metadata_path(file));
-    const auto warnings_with = [&](const std::string& table, const std::string& metadata) {
+    const auto warnings_at = [&](double rate_hz) {
         std::vector<std::string> warnings;
-        write_text(file, table);
-        write_text(csv_metadata_path(file), metadata);
         ReadOptions options;
         options.warn = [&](const std::string& text) { warnings.push_back(text); };
         const auto reader = open_csv_reader(file, options);
         EXPECT_EQ(reader->head().provenance.is_null(), !warnings.empty());
-        EXPECT_NEAR(reader->head().sample_rate_hz,
-                    1e6 / (table.find("\n0.001,") == std::string::npos ? 1 : 1000), 1e-6);
+        EXPECT_NEAR(reader->head().sample_rate_hz, rate_hz, 1e-9 * rate_hz);
         return warnings;
+    };
+    const auto warnings_with = [&](const std::string& table, const std::string& metadata) {
+        write_text(file, table);
+        write_text(csv_metadata_path(file), metadata);
+        return warnings_at(table.find("\n0.001,") == std::string::npos ? 1e6 : 1000);
     };
     const std::string same = "t_s,v\n0,1\n0.001,1\n0.002,1\n";
     const std::string faster = "t_s,v\n0,1\n1e-6,1\n2e-6,1\n";
@@ -488,14 +490,13 @@ TEST(CsvReader, MetadataOfAnotherTableAreLeftOutWithAWarning) {
         other->write(0, std::vector<double>(1200, 0.5));
         other->commit();
         write_text(csv_metadata_path(file), own);
-        std::vector<std::string> warnings;
-        ReadOptions options;
-        options.warn = [&](const std::string& text) { warnings.push_back(text); };
-        EXPECT_NEAR(open_csv_reader(file, options)->head().sample_rate_hz, rate, 1e-9 * rate);
-        EXPECT_THAT(warnings, ElementsAre(HasSubstr("not those of its 1000 Hz"))) << rate;
+        EXPECT_THAT(warnings_at(rate), ElementsAre(HasSubstr("not those of its 1000 Hz"))) << rate;
     }
     EXPECT_THAT(warnings_with("t_s,v,u\n0,1,1\n0.001,1,1\n", own), ElementsAre(HasSubstr("other columns")));
-    for (const char* text : {"[]", "{}", "7", R"({"urn:hertzline:sample_rate_hz": "x"})"}) {
+    for (
+        const char* text :
+        {"[]", "{}", "7", R"({"urn:hertzline:sample_rate_hz": "x"})",
+         R"({"urn:hertzline:sample_rate_hz": 0, "urn:hertzline:provenance": 0, "tableSchema": {"columns": []}})"}) {
         EXPECT_THAT(warnings_with(same, text),
                     ElementsAre(HasSubstr("no urn:hertzline:sample_rate_hz above 0")));
     }
