@@ -296,6 +296,12 @@ tl::expected<Axis, std::vector<Fault>> parse_axis(const Scene& scene, std::strin
     return axis_or_faults(std::move(axis), reader);
 }
 
+std::string first_setting(std::string_view option) {
+    const bool is_path = option.find('/') != std::string_view::npos;  // which may have dots
+    return std::string(
+        option.substr(0, std::min(option.find(','), is_path ? option.size() : option.find(".."))));
+}
+
 tl::expected<Axis, std::vector<Fault>> parse_values(const Scene& scene, SceneKey key, std::string_view text,
                                                     Sampling sampling) {
     AxisReader reader(scene, sampling);

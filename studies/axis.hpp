@@ -55,6 +55,9 @@ tl::expected<SceneKey, Fault> varied_key(const Scene& scene, std::string_view na
 tl::expected<Axis, std::vector<Fault>> parse_axis(const Scene& scene, std::string_view option,
                                                   Sampling sampling);
 
+/// Returns the first value of such an option as a setting, "KEY=FROM" or "KEY=A". The key may be none of the scene.
+std::string first_setting(std::string_view option);
+
 /// Reads the values of a key, as they stand in such an option behind "KEY=". Faults have no place.
 tl::expected<Axis, std::vector<Fault>> parse_values(const Scene& scene, SceneKey key, std::string_view text,
                                                     Sampling sampling);

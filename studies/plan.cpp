@@ -25,6 +25,12 @@ Fault only_one_way(const PlanRequest& request) {
 
 }  // namespace
 
+std::vector<std::string> first_settings(const PlanRequest& request) {
+    std::vector<std::string> settings = first_settings(request.points);
+    std::ranges::transform(request.vary, std::back_inserter(settings), first_setting);
+    return settings;
+}
+
 tl::expected<SweepPlan, std::vector<Fault>> SweepPlan::make(const Scene& base, const PlanRequest& request) {
     if (request.vary.empty() == request.points.empty() || (request.sobol && request.vary.empty())) {
         return tl::unexpected(std::vector{only_one_way(request)});

@@ -24,6 +24,9 @@ struct PlanRequest {
     std::optional<std::int64_t> sobol;  ///< points of a Sobol sequence, in place of a grid
 };
 
+/// Returns the first value of each key that varies as settings, "KEY=VALUE": a scene may need them to be one.
+std::vector<std::string> first_settings(const PlanRequest& request);
+
 /// A grid of axes, of which the last varies fastest, a Sobol sequence in their ranges, or a list of points.
 class SweepPlan {
 public:

@@ -4,6 +4,8 @@
 #include <string>
 #include <utility>
 
+#include <fmt/format.h>
+
 #include "core/scene/text.hpp"
 #include "studies/axis.hpp"
 
@@ -17,6 +19,36 @@ std::string_view bare_cell(std::string_view cell) {
     return cell.size() >= 2 && cell.front() == '"' && cell.back() == '"' ? cell.substr(1, cell.size() - 2)
                                                                          : cell;
 }
+
+/// The lines of a CSV that are not empty, cell by cell. Keys and values have neither commas nor quotes of their own.
+class Rows {
+public:
+    explicit Rows(std::string_view text) : rest_(text) {
+        constexpr std::string_view byte_order_mark = "\xEF\xBB\xBF";  // as spreadsheets write it
+        rest_.remove_prefix(text.starts_with(byte_order_mark) ? byte_order_mark.size() : 0);
+    }
+
+    /// Returns the cells of the next line, none after the last.
+    std::vector<std::string_view> next() {
+        while (!rest_.empty()) {
+            const std::size_t end = std::min(rest_.find('\n'), rest_.size());
+            const std::string_view line = trimmed(rest_.substr(0, end), " \t\r");
+            rest_.remove_prefix(std::min(end + 1, rest_.size()));
+            ++line_;
+            if (!line.empty()) {
+                std::vector<std::string_view> cells = split(line, ',');
+                std::ranges::transform(cells, cells.begin(), bare_cell);
+                return cells;
+            }
+        }
+        return {};
+    }
+    int line() const noexcept { return line_; }
+
+private:
+    std::string_view rest_;
+    int line_ = 0;
+};
 
 class PointsReader {
 public:
@@ -70,27 +102,16 @@ void PointsReader::read_values(const std::vector<std::string_view>& cells) {
 
 void PointsReader::read(std::string_view text) {
     points.text = text;
-    constexpr std::string_view byte_order_mark = "\xEF\xBB\xBF";  // as spreadsheets write it
-    text.remove_prefix(text.starts_with(byte_order_mark) ? byte_order_mark.size() : 0);
-    while (!text.empty() && faults.size() < max_faults) {
-        const std::size_t end = std::min(text.find('\n'), text.size());
-        std::string_view line = text.substr(0, end);
-        text.remove_prefix(std::min(end + 1, text.size()));
-        ++line_;
-        line = trimmed(line, " \t\r");
-        if (line.empty()) {
+    Rows rows(text);
+    for (auto cells = rows.next(); !cells.empty() && faults.size() < max_faults; cells = rows.next()) {
+        line_ = rows.line();
+        if (!points.keys.empty()) {
+            read_values(cells);
             continue;
         }
-        // keys and values have neither commas nor quotes of their own
-        std::vector<std::string_view> cells = split(line, ',');
-        std::ranges::transform(cells, cells.begin(), bare_cell);
-        if (points.keys.empty()) {
-            std::ranges::for_each(cells, [this](std::string_view cell) { read_key(cell); });
-            if (!faults.empty()) {
-                return;
-            }
-        } else {
-            read_values(cells);
+        std::ranges::for_each(cells, [this](std::string_view cell) { read_key(cell); });
+        if (!faults.empty()) {
+            return;
         }
     }
     line_ = 0;
@@ -150,6 +171,17 @@ tl::expected<PointList, std::vector<Fault>> parse_points(const Scene& scene, std
     PointsReader reader(scene, origin);
     reader.read(text);
     return list_of(std::move(reader));
+}
+
+std::vector<std::string> first_settings(std::string_view text) {
+    Rows rows(text);
+    const auto keys = rows.next();
+    const auto values = rows.next();
+    std::vector<std::string> settings;
+    for (std::size_t i = 0; i < std::min(keys.size(), values.size()); ++i) {
+        settings.push_back(fmt::format("{}={}", keys[i], values[i]));
+    }
+    return settings;
 }
 
 tl::expected<PointList, std::vector<Fault>> points_of(const Scene& scene,

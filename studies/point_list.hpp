@@ -37,6 +37,9 @@ struct PointColumn {
 tl::expected<PointList, std::vector<Fault>> parse_points(const Scene& scene, std::string_view text,
                                                          std::string_view origin);
 
+/// Returns the first point of a CSV as settings, "KEY=VALUE". The keys may be none of the scene.
+std::vector<std::string> first_settings(std::string_view text);
+
 /// Makes a list of the columns, which are equally long.
 /// @returns the points, or the first dozen faults
 tl::expected<PointList, std::vector<Fault>> points_of(const Scene& scene,

@@ -20,6 +20,7 @@ namespace {
 namespace fs = std::filesystem;
 using nlohmann::json;
 using testing::AllOf;
+using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::Not;
 using testing::SizeIs;
@@ -272,6 +273,28 @@ TEST(Sweep, TakesAListOfPoints) {
     ASSERT_EQ(outcome.status, 0) << outcome.err;
     EXPECT_EQ(rows_of(outcome).at(1)["chain.spheres"], 5);
     EXPECT_EQ(rows_of(outcome).at(1)["chain.preload_n"], 0.2);
+}
+
+TEST(Sweep, ASceneMayLackWhatVaries) {
+    const TemporaryFolder folder;
+    const Words lacking = with(quick_sweep, {"--set", "chain.damping_law=tsuji"});
+    const auto alphas = [&](const Words& more) {
+        const Outcome outcome = hertzline(with(lacking, with(more, {"--json"})));
+        EXPECT_EQ(outcome.status, 0) << outcome.err;
+        std::vector<double> values;
+        for (const json& row : rows_of(outcome)) {
+            EXPECT_EQ(row["status"], "ok");
+            values.push_back(row["chain.damping_alpha"]);
+        }
+        return values;
+    };
+    EXPECT_THAT(alphas({"--vary", "chain.damping_alpha=0.1,0.3"}), ElementsAre(0.1, 0.3));
+    EXPECT_THAT(alphas({"--vary", "chain.damping_alpha=0.1..0.3:2"}), ElementsAre(0.1, 0.3));
+    write_text(folder.file("p.csv"), "chain.spheres,\"chain.damping_alpha\"\n3,0.1\n5,0.3\n");
+    EXPECT_THAT(alphas({"--points", folder.file("p.csv")}), ElementsAre(0.1, 0.3));
+    const Outcome still = hertzline(with(lacking, {"--vary", "chain.spheres=3,5", "--json"}));
+    EXPECT_EQ(still.status, 2);
+    EXPECT_THAT(still.err, HasSubstr("chain.damping_alpha"));
 }
 
 TEST(Sweep, IsDrawn) {

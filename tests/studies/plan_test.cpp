@@ -62,6 +62,19 @@ std::vector<double> numbers_of(const SweepPlan& plan) {
     return numbers;
 }
 
+TEST(FirstSettings, AreTheFirstValuesAsTheyStand) {
+    const auto of_vary = [](const std::string& option) {
+        return first_settings({{option}, "", "", std::nullopt});
+    };
+    EXPECT_THAT(of_vary("chain.spheres=3,5"), ElementsAre("chain.spheres=3"));
+    EXPECT_THAT(of_vary("chain.preload_n=10mN..1N:log:4"), ElementsAre("chain.preload_n=10mN"));
+    EXPECT_THAT(of_vary("drive.file=../a.npy,../b.npy"), ElementsAre("drive.file=../a.npy"));
+    EXPECT_THAT(of_vary(".."), ElementsAre(""));
+    EXPECT_THAT(first_settings({{}, "\xEF\xBB\xBFa.b, \"c.d\"\n\n1,\"x\"\n2,y\n", "", std::nullopt}),
+                ElementsAre("a.b=1", "c.d=x"));
+    EXPECT_THAT(first_settings({{}, "a.b\n", "", std::nullopt}), IsEmpty());
+}
+
 TEST(SweepPlan, ARangeHasBothEndsAndEvenSteps) {
     EXPECT_THAT(numbers_of(grid_of({"chain.preload_n=0.25..1.25:5"})), ElementsAre(0.25, 0.5, 0.75, 1, 1.25));
     const auto numbers = numbers_of(grid_of({"chain.preload_n = 0.01 .. 10 : log : 4"}));

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <iterator>
 #include <set>
 #include <string_view>
 #include <system_error>
@@ -63,11 +64,21 @@ void check_set_keys(const SweepOptions& options, const studies::SweepPlan& plan,
     }
 }
 
-std::optional<studies::SweepPlan> plan_of(const SweepOptions& options, Faults& faults) {
-    const auto base = faults.value_of({}, parsed_scene(options.scene));
-    if (!base) {
-        return std::nullopt;
+/// Reads the scene that the points change. One that lacks what varies has the values of the first point.
+std::optional<ParsedScene> base_scene(const SweepOptions& options, const studies::PlanRequest& plan,
+                                      Faults& faults) {
+    auto alone = parsed_scene(options.scene);
+    if (!alone) {
+        SceneRequest completed = options.scene;
+        std::ranges::move(studies::first_settings(plan), std::back_inserter(completed.settings));
+        if (auto first = parsed_scene(completed)) {
+            return *std::move(first);
+        }
     }
+    return faults.value_of({}, std::move(alone));
+}
+
+std::optional<studies::SweepPlan> plan_of(const SweepOptions& options, Faults& faults) {
     studies::PlanRequest request{options.vary, "", printable(options.points), options.sobol};
     if (!options.points.empty()) {
         auto points = points_text(options.points, faults);
@@ -75,6 +86,10 @@ std::optional<studies::SweepPlan> plan_of(const SweepOptions& options, Faults& f
             return std::nullopt;
         }
         request.points = *std::move(points);
+    }
+    const auto base = base_scene(options, request, faults);
+    if (!base) {
+        return std::nullopt;
     }
     auto plan = faults.value_of({}, studies::SweepPlan::make(base->scene, request));
     if (plan) {
