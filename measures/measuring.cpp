@@ -10,6 +10,7 @@
 #include "core/model/chain.hpp"
 #include "core/model/validity.hpp"
 #include "core/scene/elements.hpp"
+#include "core/scene/unused_keys.hpp"
 #include "measures/record_warnings.hpp"
 #include "measures/run.hpp"
 
@@ -96,14 +97,18 @@ void measure(Run& run, SpectrumAnalyser* analyser, std::optional<double> band_fr
 }
 
 Warnings scene_warnings(const Resolution& resolved) {
-    const bool array = is_array(resolved.scene);
-    const Scene first = array ? element_scene(resolved.scene, 0) : resolved.scene;
-    Warnings warnings = validity_warnings(first, Chain(first));
-    if (array) {
-        append(warnings, array_warnings(resolved.scene));
-    }
+    return scene_warnings(resolved, Chain(element_scene(resolved.scene, 0)));
+}
+
+Warnings scene_warnings(const Resolution& resolved, const Chain& chain) {
+    Warnings warnings;
     if (auto missed = missed_accuracy(resolved)) {
         warnings.push_back(*std::move(missed));
+    }
+    append(warnings, unused_key_warnings(resolved.scene));
+    append(warnings, validity_warnings(element_scene(resolved.scene, 0), chain));
+    if (is_array(resolved.scene)) {
+        append(warnings, array_warnings(resolved.scene));
     }
     return warnings;
 }

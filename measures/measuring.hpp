@@ -6,6 +6,10 @@
 
 #include "hertzline/run.hpp"
 
+namespace hertzline {
+struct Chain;
+}
+
 namespace hertzline::measures {
 
 /// Adds spectra and warnings to a run that has all its samples.
@@ -13,8 +17,10 @@ namespace hertzline::measures {
 /// @param band_from_hz as SpectrumAnalyser::analyse
 void measure(Run& run, SpectrumAnalyser* analyser, std::optional<double> band_from_hz);
 
-/// Warnings of a scene before it runs: its validity, and an accuracy that is not kept.
+/// Warnings of a scene before it runs: keys without effect, its validity, and an accuracy that is not kept.
 Warnings scene_warnings(const Resolution& resolved);
+/// The same. @param chain of the scene, or of an array's first element
+Warnings scene_warnings(const Resolution& resolved, const Chain& chain);
 
 /// Returns a warning of a scene that misses its accuracy, with the reason, or may miss it, with the unknown part.
 /// Nothing when it is met.

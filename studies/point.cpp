@@ -7,7 +7,6 @@
 #include <string>
 #include <utility>
 
-#include "core/model/validity.hpp"
 #include "core/scene/scene_words.hpp"
 #include "core/scene/text.hpp"
 #include "hertzline/resolve.hpp"
@@ -193,10 +192,7 @@ void PointRunner::measure(Candidate& candidate, PointResult& result) {
     result.status = status_of(run.resolved);
     measures::measure(run, analyser(run.rows(), scene.output.sample_rate_hz), options_.band_from_hz);
     result.numbers = measures::numbers_of(run, options_.columns);
-    Warnings warnings = validity_warnings(scene, candidate.simulation.chain());
-    if (auto missed = measures::missed_accuracy(run.resolved)) {
-        warnings.insert(warnings.begin(), *std::move(missed));
-    }
+    Warnings warnings = measures::scene_warnings(run.resolved, candidate.simulation.chain());
     if (options_.waveform && waveform_taps(scene, options_).empty()) {
         warnings.push_back("no waveform: this scene has no " + std::string(row_of(*options_.waveform).name));
     }

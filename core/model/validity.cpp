@@ -106,65 +106,6 @@ void add_units(const Scene& s, std::vector<std::string>& warnings) {
     add_units_of_materials(s, warnings);
 }
 
-/// "tone", "file" or "live"
-std::string one_of_quoted(std::span<const std::string_view> words) {
-    std::string text;
-    for (std::size_t i = 0; i < words.size() && !words[i].empty(); ++i) {
-        const bool last = i + 1 == words.size() || words[i + 1].empty();
-        text += (i == 0 ? "" : last ? " or " : ", ") + hertzline::quoted(words[i]);
-    }
-    return text;
-}
-
-/// Keys that were changed although nothing asks for them.
-void warn_of_unused_keys(const Scene& scene, std::vector<std::string>& warnings) {
-    const Scene untouched;
-    for (const SceneKey& key : scene_keys()) {
-        const bool of_no_array = key.section() == "array" && scene.array.x_m.empty();
-        if ((of_no_array || !key.has_effect(scene)) && key.value(scene) != key.value(untouched)) {
-            const KeyTraits& traits = key.traits;
-            const SceneKey* const list = key.replacement(scene);
-            warnings.push_back(key.name + " has no effect " +
-                               (of_no_array       ? "without array.x_m"
-                                : list != nullptr ? "beside " + list->name
-                                                  : "without " + std::string(traits.needs.key) + " = " +
-                                                        one_of_quoted(traits.needs.words)));
-        }
-    }
-}
-
-/// The same of keys that need a number.
-void warn_of_unused_numbers(const Scene& scene, std::vector<std::string>& warnings) {
-    const auto& chain = scene.chain;
-    const auto untouched = Scene().chain;
-    if (chain.impact_spheres != untouched.impact_spheres && chain.impact_velocity_m_per_s == 0) {
-        warnings.emplace_back("chain.impact_spheres has no effect without chain.impact_velocity_m_per_s");
-    }
-    if (chain.seed != untouched.seed && chain.tolerance == 0 && chain.preload_tolerance == 0) {
-        warnings.emplace_back("chain.seed has no effect without chain.tolerance or chain.preload_tolerance");
-    }
-    if (chain.preload_tolerance != 0 && chain.preload_n == 0) {
-        warnings.emplace_back("chain.preload_tolerance has no effect without chain.preload_n");
-    }
-    if (scene.numerics.rest_tolerance != 0 && chain.preload_n == 0) {
-        warnings.emplace_back("numerics.rest_tolerance has no effect without chain.preload_n");
-    }
-}
-
-/// Lists that are longer than the chain.
-void warn_of_unused_entries(const Scene& scene, std::vector<std::string>& warnings) {
-    const auto check = [&](const char* key, std::size_t entries) {
-        const auto count = static_cast<std::int64_t>(entries);
-        const std::string spheres = number_text(scene.chain.spheres);
-        if (count > scene.chain.spheres) {
-            warnings.push_back(std::string(key) + " has " + number_text(count) +
-                               " entries, of which the chain of " + spheres + " spheres uses " + spheres);
-        }
-    };
-    check("chain.materials", scene.chain.materials.size());
-    check("chain.diameters_m", scene.chain.diameters_m.size());
-}
-
 /// Static displacement of the plate's centre per newton [m/N].
 double compliance(const EndModel& end) {
     if (!end.plate) {
@@ -394,9 +335,6 @@ std::vector<std::string> late_sound_warnings(const Scene& scene) {
 std::vector<std::string> validity_warnings(const Scene& scene, const Chain& chain) {
     std::vector<std::string> warnings;
     add_units(scene, warnings);
-    warn_of_unused_keys(scene, warnings);
-    warn_of_unused_numbers(scene, warnings);
-    warn_of_unused_entries(scene, warnings);
     add_plate(scene, chain, warnings);
     add_record(scene, warnings);
     const ContactLoad rest = contact_load(chain, chain.static_overlap);

@@ -163,8 +163,11 @@ Json key_schema(const SceneKey& key) {
         std::ranges::copy_if(needs.words, std::back_inserter(words), [](auto word) { return !word.empty(); });
         schema["needs"][std::string(needs.key)] = words.size() == 1 ? words[0] : words;
     }
-    if (!key.traits.replaced_by.empty()) {
-        schema["replaced_by"] = key.traits.replaced_by;
+    const auto keys = scene_keys();
+    if (const auto list =
+            std::ranges::find(keys, key.name, [](const SceneKey& other) { return other.traits.each; });
+        list != keys.end()) {
+        schema["replaced_by"] = list->name;
     }
     return schema;
 }

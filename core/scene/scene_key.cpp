@@ -309,16 +309,19 @@ bool SceneKey::set(Scene& scene, const std::optional<SceneValue>& value) const {
 }
 
 const SceneKey* SceneKey::replacement(const Scene& scene) const {
-    if (traits.replaced_by.empty()) {
-        return nullptr;
-    }
     const auto keys = scene_keys();
-    const auto list = std::ranges::find(keys, traits.replaced_by, &SceneKey::name);
-    return list != keys.end() && list->value(scene) && list->has_effect(scene) ? &*list : nullptr;
+    const auto list = std::ranges::find_if(keys, [&](const SceneKey& other) {
+        return other.traits.each == name && other.value(scene) && other.has_effect(scene);
+    });
+    return list != keys.end() ? &*list : nullptr;
+}
+
+bool SceneKey::lacks_array(const Scene& scene) const {
+    return section() == "array" && scene.array.x_m.empty();
 }
 
 bool SceneKey::has_effect(const Scene& scene) const {
-    if (replacement(scene) != nullptr) {
+    if (lacks_array(scene) || replacement(scene) != nullptr) {
         return false;
     }
     if (traits.needs.key.empty()) {

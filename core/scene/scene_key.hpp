@@ -73,8 +73,8 @@ struct KeyTraits {
     std::size_t most_entries = 0;             ///< of a list
     bool is_text = false;                     ///< any text, not a word
     bool reads_record = false;                ///< the record of a drive is read by it, once
-    std::string_view replaced_by = {};        ///< the list that is used in its place where a scene gives it
-    std::string_view each = {};  ///< of a list: the key whose value every entry has where it is not given
+    std::string_view each =
+        {};  ///< of a list: the key that it replaces, and whose value an entry has that is not given
 };
 
 /// A row of the table.
@@ -114,7 +114,9 @@ struct SceneKey : KeyRow {
     bool set(Scene& scene, const std::optional<SceneValue>& value) const;
     /// The list that the scene gives in the key's place, if it does.
     const SceneKey* replacement(const Scene& scene) const;
-    /// False where the scene has another word than the key needs, or gives the list that replaces it.
+    /// Whether the key is one of [array] and the scene has a single chain.
+    bool lacks_array(const Scene& scene) const;
+    /// False where the scene lacks the array or has another word than the key needs, or gives a list that replaces it.
     bool has_effect(const Scene& scene) const;
 };
 

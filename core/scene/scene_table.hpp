@@ -143,10 +143,9 @@ void visit_scene(AnyScene& scene, const Visit& visit) {
                damping_time_s, damping_alpha, preload_n, tension, gravity_m_per_s2, holder_time_s,
                impact_velocity_m_per_s, impact_spheres, tolerance, preload_tolerance, seed] = scene.chain;
         const auto row = [&](auto& member, const KeyRow& facts) { visit("chain", member, facts); };
-        row(material, {"material", {}, "of the spheres", {.replaced_by = "chain.materials"}});
+        row(material, {"material", {}, "of the spheres"});
         row(spheres, {"spheres", {1, max_spheres}, "how many"});
-        row(diameter_m,
-            {"diameter_m", {1e-9, 10, "m"}, "of each sphere", {.replaced_by = "chain.diameters_m"}});
+        row(diameter_m, {"diameter_m", {1e-9, 10, "m"}, "of each sphere"});
         row(materials,
             {"materials",
              {},
@@ -210,13 +209,9 @@ void visit_scene(AnyScene& scene, const Visit& visit) {
                theory, materials, thicknesses_m, loss_factors] = scene.end;
         const auto row = [&](auto& member, const KeyRow& facts) { visit("end", member, facts); };
         row(kind, {"kind", {}, "a clamped disc, an immovable wall, only the preload"});
-        row(material,
-            {"material", {}, "of the disc or wall", {.needs = body, .replaced_by = "end.materials"}});
+        row(material, {"material", {}, "of the disc or wall", {.needs = body}});
         row(radius_m, {"radius_m", {1e-9, 10, "m"}, "of the disc", {.needs = plate}});
-        row(thickness_m, {"thickness_m",
-                          {1e-9, 10, "m"},
-                          "of the disc",
-                          {.needs = plate, .replaced_by = "end.thicknesses_m"}});
+        row(thickness_m, {"thickness_m", {1e-9, 10, "m"}, "of the disc", {.needs = plate}});
         row(stiffness_n_per_m, {"stiffness_n_per_m",
                                 {0, 1e15, "N/m"},
                                 "of the disc",
@@ -232,7 +227,7 @@ void visit_scene(AnyScene& scene, const Visit& visit) {
         row(loss_factor, {"loss_factor",
                           {1e-6, 1},
                           "of a modal plate's material: an assumption",
-                          {.needs = modal, .hashed = changed, .replaced_by = "end.loss_factors"}});
+                          {.needs = modal, .hashed = changed}});
         row(theory, {"theory",
                      {},
                      "of a modal plate: Kirchhoff's, or Mindlin's with shear and rotary inertia",

@@ -8,7 +8,6 @@
 
 #include "core/model/end.hpp"
 #include "core/model/sphere_row.hpp"
-#include "core/model/validity.hpp"
 #include "hertzline/scene_file.hpp"
 
 namespace hertzline {
@@ -128,14 +127,6 @@ TEST(Chain, StartsWithItsStrikersAndReturnsToThemOnReset) {
     EXPECT_TRUE(chain.balanced());
     scene.end.preload = PlatePreload::as_printed;
     EXPECT_FALSE(Chain(scene).balanced());
-}
-
-TEST(Validity, ListsThatAreLongerThanTheChainAreNoticed) {
-    Scene scene;
-    scene.chain.diameters_m = std::vector<double>(9, 1e-3);
-    EXPECT_THAT(
-        validity_warnings(scene, Chain(scene)),
-        ElementsAre(HasSubstr("chain.diameters_m has 9 entries, of which the chain of 6 spheres uses 6")));
 }
 
 }  // namespace

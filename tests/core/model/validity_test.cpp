@@ -47,6 +47,11 @@ TEST(Validity, LengthsInMillimetresAreNoticed) {
                 ElementsAre(HasSubstr("drive.amplitude_m is 0.003 m; were micrometres meant?")));
     EXPECT_THAT(warnings_after([](Scene& s) { s.drive.frequency_hz = 73; }),
                 ElementsAre(HasSubstr("drive.frequency_hz is 73 Hz; were kilohertz meant?")));
+    EXPECT_THAT(warnings_after([](Scene& s) {
+                    s.end.materials = {"aluminium", "acrylic"};
+                    s.end.thicknesses_m = {0.2e-3, 1};
+                }),
+                testing::Contains("end.thicknesses_m[2] is 1 m; were millimetres meant?"));
 }
 
 TEST(Validity, MaterialsInOtherUnitsAreNoticed) {
@@ -77,96 +82,7 @@ TEST(Validity, AThickDiscIsNoThinPlateAndAWallNeedNotBe) {
                     s.end.kind = EndKind::wall;
                     s.end.thickness_m = 0.5;
                 }),
-                ElementsAre("end.thickness_m has no effect without end.kind = \"plate\""));
-}
-
-TEST(Validity, KeysThatNothingAsksForAreNoticed) {
-    EXPECT_THAT(warnings_after([](Scene& s) {
-                    s.end.theory = PlateTheory::thin;
-                    s.end.modes = 2;
-                    s.output.hydrophone_m = 20e-3;
-                    s.drive.taper = 0.1;
-                }),
-                ElementsAre("drive.taper has no effect without drive.envelope = \"tukey\"",
-                            "end.modes has no effect without end.model = \"modal\"",
-                            "end.theory has no effect without end.model = \"modal\"",
-                            HasSubstr("output.hydrophone_m has no effect")));
-    EXPECT_THAT(warnings_after([](Scene& s) {
-                    s.end.model = PlateModel::modal;
-                    s.end.modes = 2;
-                    s.drive.envelope = Envelope::tukey;
-                    s.drive.taper = 0.1;
-                }),
                 IsEmpty());
-}
-
-TEST(Validity, KeysThatAskForANumberOrALawAreNoticed) {
-    EXPECT_THAT(
-        warnings_after([](Scene& s) {
-            s.chain.damping_time_s = 1e-8;
-            s.chain.damping_alpha = 0.1;
-            s.chain.impact_spheres = 2;
-            s.chain.seed = 7;
-            s.chain.preload_n = 0;
-            s.numerics.poles = 30;
-            s.numerics.rest_tolerance = 1e-3;
-            s.array.coupling = Coupling::none;
-        }),
-        ElementsAre("chain.damping_time_s has no effect without chain.damping_law = \"kuwabara_kono\"",
-                    "chain.damping_alpha has no effect without chain.damping_law = \"tsuji\"",
-                    "array.coupling has no effect without array.x_m",
-                    "numerics.poles has no effect without end.model = \"modal\"",
-                    "chain.impact_spheres has no effect without chain.impact_velocity_m_per_s",
-                    "chain.seed has no effect without chain.tolerance or chain.preload_tolerance",
-                    "numerics.rest_tolerance has no effect without chain.preload_n"));
-    EXPECT_THAT(warnings_after([](Scene& s) {
-                    s.end.kind = EndKind::free;
-                    s.end.material = "steel";
-                    s.chain.preload_n = 0;
-                    s.chain.preload_tolerance = 0.1;
-                }),
-                ElementsAre("end.material has no effect without end.kind = \"plate\" or \"wall\"",
-                            "chain.preload_tolerance has no effect without chain.preload_n"));
-    EXPECT_THAT(warnings_after([](Scene& s) {
-                    s.chain.damping_law = DampingLaw::tsuji;
-                    s.chain.damping_alpha = 0.1;
-                    s.chain.damping_kg_per_s = 0.3;
-                    s.chain.impact_spheres = 2;
-                    s.chain.impact_velocity_m_per_s = 0.1;
-                    s.chain.seed = 7;
-                    s.chain.preload_tolerance = 0.1;
-                }),
-                ElementsAre("chain.damping_kg_per_s has no effect without chain.damping_law = \"dashpot\""));
-}
-
-TEST(Validity, KeysThatListsReplaceAreNoticed) {
-    const auto layers = [](Scene& s) {
-        s.end.material = "pyrex";
-        s.end.thickness_m = 1e-3;
-        s.end.loss_factor = 0.01;
-        s.end.materials = {"aluminium", "acrylic"};
-        s.end.thicknesses_m = {0.2e-3, 0.5e-3};
-    };
-    EXPECT_THAT(warnings_after([&](Scene& s) {
-                    layers(s);
-                    s.end.model = PlateModel::modal;
-                    s.end.theory = PlateTheory::thick;
-                    s.end.loss_factors = {0.001, 0.02};
-                }),
-                ElementsAre("end.material has no effect beside end.materials",
-                            "end.thickness_m has no effect beside end.thicknesses_m",
-                            "end.loss_factor has no effect beside end.loss_factors"));
-    EXPECT_THAT(warnings_after([&](Scene& s) {
-                    layers(s);
-                    s.end.kind = EndKind::wall;
-                }),
-                testing::IsSupersetOf({"end.materials has no effect without end.kind = \"plate\"",
-                                       "end.thicknesses_m has no effect without end.kind = \"plate\""}));
-    EXPECT_THAT(warnings_after([](Scene& s) {
-                    s.end.materials = {"aluminium", "acrylic"};
-                    s.end.thicknesses_m = {0.2e-3, 1};
-                }),
-                testing::Contains("end.thicknesses_m[2] is 1 m; were millimetres meant?"));
 }
 
 TEST(Validity, ARecordThatEndsAwayFromItsBeginningIsNoticed) {
