@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdio>
 #include <numbers>
 
 #include "core/model/contact_law.hpp"
@@ -132,6 +131,28 @@ double fastest_contact_hz(const Scene& scene) {
     return fastest / (2 * std::numbers::pi);
 }
 
+namespace {
+
+/// A frequency of a scene, and how far above it a plate's response counts.
+struct BandLimit {
+    double frequency_hz;
+    double times;
+    const char* source;
+    const char* remedy;
+
+    double hz() const noexcept { return times * frequency_hz; }
+};
+
+BandLimit highest_band_limit(const Scene& scene, const PlateParameters& plate) {
+    const std::array limits{
+        BandLimit{plate.contact_hz, 5, "the fastest contacts", "larger or softer spheres"},
+        BandLimit{highest_frequency_hz(scene.drive), 10, "the drive", "a slower drive"},
+        BandLimit{highest_dry_hz(plate), 1.5, "the last mode", "fewer end.modes"}};
+    return *std::ranges::max_element(limits, {}, &BandLimit::hz);
+}
+
+}  // namespace
+
 PlateParameters plate_parameters(const Scene& scene) {
     const auto& fluid = std::get<Fluid>(*find_material(scene, scene.medium.material));
     const PlateSection section = laminate(layers_of(scene)).section;
@@ -141,14 +162,9 @@ PlateParameters plate_parameters(const Scene& scene) {
                                .modes = static_cast<int>(scene.end.modes),
                                .load = scene.medium.load,
                                .hydrophone_m = scene.output.hydrophone_m};
-    constexpr double times_contact = 5;
-    constexpr double times_drive = 10;
-    constexpr double times_highest_mode = 1.5;
     // rounded up to a quarter of an octave: scenes whose chains differ a little have the same plate, which is fitted once
     parameters.contact_hz = std::exp2(std::ceil(4 * std::log2(fastest_contact_hz(scene))) / 4);
-    parameters.band_hz =
-        std::max({times_contact * parameters.contact_hz, times_drive * highest_frequency_hz(scene.drive),
-                  times_highest_mode * highest_dry_hz(parameters)});
+    parameters.band_hz = highest_band_limit(scene, parameters).hz();
     return parameters;
 }
 
@@ -158,10 +174,8 @@ std::vector<Fault> plate_faults(const Scene& scene) {
     }
     constexpr double least_shear_ratio = 0.05;
     if (const double ratio = laminate(layers_of(scene)).shear_ratio; !(ratio >= least_shear_ratio)) {
-        std::array<char, 32> text{};
-        std::snprintf(text.data(), text.size(), "%.3g", ratio);
         return {{"end.materials",
-                 std::string("layers whose shear stiffness is ") + text.data() + " of 5/6 of the sum of G h",
+                 "layers whose shear stiffness is " + rounded_text(ratio, 3) + " of 5/6 of the sum of G h",
                  "at least " + number_text(least_shear_ratio) +
                      ": with a softer layer between stiff ones the disc does not bend as one plate"}};
     }
@@ -173,17 +187,21 @@ std::vector<Fault> plate_faults(const Scene& scene) {
     std::vector<Fault> faults;
     const double ka = 2 * std::numbers::pi * p.band_hz * p.radius_m / p.fluid.sound_speed_m_per_s;
     if (!(ka <= largest_ka)) {
+        const BandLimit limit = highest_band_limit(scene, p);
         faults.push_back(
             {"end.radius_m",
-             number_text(p.radius_m) + ", k a = " + number_text(ka) + " at " + number_text(p.band_hz) + " Hz",
-             "k a of at most " + number_text(largest_ka) + " up to the highest frequency that counts"});
+             number_text(p.radius_m) + ", k a = " + rounded_text(ka, 3) + " at " +
+                 rounded_text(limit.hz(), 3) + " Hz, " + number_text(limit.times) +
+                 " times the frequency of " + limit.source,
+             "k a of at most " + number_text(largest_ka) + " there: a smaller disc, or " + limit.remedy});
     }
     const double dry = highest_dry_hz(p);
-    if (!(dry <= fastest_mode * fastest_contact_hz(scene))) {
-        faults.push_back(
-            {"end.modes", number_text(scene.end.modes) + ", the last of " + number_text(dry) + " Hz",
-             "modes of at most " + number_text(fastest_mode * fastest_contact_hz(scene)) + " Hz, " +
-                 number_text(fastest_mode) + " times the frequency of the fastest contacts"});
+    const double highest = fastest_mode * fastest_contact_hz(scene);
+    if (!(dry <= highest)) {
+        faults.push_back({"end.modes",
+                          number_text(scene.end.modes) + ", the last of " + rounded_text(dry, 3) + " Hz",
+                          "modes of at most " + rounded_text(highest, 3) + " Hz, " +
+                              number_text(fastest_mode) + " times the frequency of the fastest contacts"});
     }
     return faults;
 }

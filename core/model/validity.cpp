@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdio>
 #include <limits>
 #include <numbers>
 #include <span>
@@ -33,9 +32,7 @@ constexpr double largest_mass_ka = 0.5;   // of a fluid that is taken for a mass
 
 /// Two digits.
 std::string briefly(double value) {
-    std::array<char, 32> text{};
-    const int length = std::snprintf(text.data(), text.size(), "%.2g", value);
-    return {text.data(), static_cast<std::size_t>(length)};
+    return rounded_text(value, 2);
 }
 
 /// A number whose size suggests that another unit was meant.

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <charconv>
+#include <cstdio>
 #include <limits>
 #include <numeric>
 #include <vector>
@@ -67,6 +68,12 @@ std::string number_text(double value) {
 
 std::string number_text(std::int64_t value) {
     return shortest(value);
+}
+
+std::string rounded_text(double value, int digits) {
+    std::array<char, 32> text{};
+    const int length = std::snprintf(text.data(), text.size(), "%.*g", digits, value);
+    return {text.data(), static_cast<std::size_t>(length)};
 }
 
 std::string quoted(std::string_view text) {

@@ -16,6 +16,9 @@ namespace hertzline {
 std::string number_text(double value);
 std::string number_text(std::int64_t value);
 
+/// The number with so many significant digits.
+std::string rounded_text(double value, int digits);
+
 /// The number that the whole text is, as std::from_chars reads it: without blanks, units or a plus sign.
 template <class Number>
 std::optional<Number> parsed_number(std::string_view text) noexcept {

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <numbers>
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "core/model/end.hpp"
@@ -18,6 +19,9 @@ namespace hertzline {
 namespace {
 
 using Complex = std::complex<double>;
+using testing::AllOf;
+using testing::HasSubstr;
+using testing::StartsWith;
 constexpr double two_pi = 2 * std::numbers::pi;
 
 Scene modal_scene() {
@@ -74,6 +78,35 @@ TEST(PlateResponse, OneThatPolesDoNotFitIsRefused) {
     EXPECT_EQ(faults[0].key, "end.model");
     EXPECT_NE(faults[0].found.find("16 poles fit with an error of"), std::string::npos) << faults[0].found;
     EXPECT_FALSE(resolve(scene).faults.empty());
+}
+
+TEST(PlateResponse, ADiscThatIsTooWideIsRefusedWithTheCauseOfItsBand) {
+    const auto fault = [](auto change) {
+        Scene scene;
+        scene.end.model = PlateModel::modal;
+        change(scene);
+        const auto faults = plate_faults(scene);
+        EXPECT_FALSE(faults.empty());
+        return faults.empty() ? "" : faults[0].message();
+    };
+    EXPECT_THAT(
+        fault([](Scene& s) { s.end.radius_m = 0.1; }),
+        AllOf(StartsWith("end.radius_m: found 0.1, k a = "),
+              HasSubstr("Hz, 5 times the frequency of the fastest contacts, allowed: k a of at most 300 "
+                        "there: a smaller disc, or larger or softer spheres")));
+    EXPECT_THAT(
+        fault([](Scene& s) { s.drive.frequency_hz = 5e6; }),
+        AllOf(HasSubstr("at 5e+07 Hz, 10 times the frequency of the drive"), HasSubstr("a slower drive")));
+    EXPECT_THAT(fault([](Scene& s) {
+                    s.end.modes = 6;
+                    s.end.theory = PlateTheory::thin;
+                    s.end.thickness_m = 40e-3;
+                    s.chain.material = "silicone_rubber";
+                    s.chain.preload_n = 1e-6;
+                    s.drive.amplitude_m = 1e-9;
+                    s.drive.frequency_hz = 1e3;
+                }),
+                HasSubstr("1.5 times the frequency of the last mode"));
 }
 
 TEST(PlateResponse, FrequenciesAreThoseOfAnIndependentSolver) {
