@@ -19,7 +19,7 @@ function found = hertzline_optimise(scene, vary, varargin)
 %     best_scene  its scene, a struct of HERTZLINE_SCENE; [] as well
 %     table       a row for each evaluation, in their order: the columns of HERTZLINE_SWEEP
 %     summary     the numbers of `hertzline optimise --json`: how far to trust the result. Dots of names become `_`
-%     warnings    a cell of sentences: the best point lies on an edge, or no point keeps to the bounds
+%     warnings    a cell of sentences: the best point lies beside a cliff or at a limit of a range, or no point keeps to the bounds
 %
 %   Errors: 'hertzline:wrongUse' names every fault of the request before anything runs; 'hertzline:failed'; 'hertzline:notFound'.
 %

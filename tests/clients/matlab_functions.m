@@ -202,6 +202,7 @@ function wrong_arguments_are_refused_before_the_program_runs()
   fails('wrongUse', {'band_from_hz: found 2 values, allowed: one'}, @() hertzline_run('paper-wall', 'band_from_hz', [1 2]));
   fails('wrongUse', {'taps: found a function_handle, allowed: numbers, a text or a cell of texts'}, @() hertzline_run('paper-wall', 'taps', @sin));
   fails('wrongUse', {'gaps: found "skip", allowed: "raise", "mark"'}, @() hertzline_listen('', [], 'gaps', 'skip'));
+  fails('wrongUse', {'found the option "chain.preload_n", allowed: stream'}, @() hertzline_listen('', [], 'chain.preload_n', 1));
   fails('wrongUse', {'drive: found a double, allowed: a struct of the keys of this section'}, @() hertzline_run(struct('drive', 3)));
 end
 

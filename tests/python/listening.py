@@ -1,6 +1,7 @@
 """Streams: every sample arrives, and missing ones raise an exception or are marked."""
 import json
 import os
+import pickle
 import sys
 import threading
 import unittest
@@ -86,6 +87,8 @@ class Listening(InAFolder):
                     heard.append(block.sample)
             heard += [block.sample for block in live]  # continues after the gap
         self.assertEqual((caught.exception.missing, heard), (200, [0, 100, 400, 450]))
+        again = pickle.loads(pickle.dumps(caught.exception))  # from another process
+        self.assertEqual((str(again), again.missing), (str(caught.exception), 200))
 
     def test_gaps_are_marked(self):
         publisher = Publisher(GAP, 500)

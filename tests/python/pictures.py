@@ -28,6 +28,8 @@ class Pictures(InAFolder):
         self.check(r.plot(["v_out"], title="one"), 2)
         self.check(r.plot(["v_chain"]), 12)
         self.check(r.plot(), 4)
+        with self.assertRaisesRegex(TypeError, 'taps: found the text "v_out"'):
+            r.plot("v_out")
         self.assertEqual(dict(matplotlib.rcParams), before)
 
     def test_of_a_recording(self):

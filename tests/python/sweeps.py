@@ -1,4 +1,5 @@
 """Sweeps have the rows of `hertzline sweep`."""
+import copy
 import json
 import math
 import pickle
@@ -105,13 +106,14 @@ class Sweeps(InAFolder):
         self.assertEqual((len(part), part.units, part.grid), (1, table.units, False))
         self.assertEqual(table.provenance["plan"]["vary"], ["chain.spheres=5,6"])
 
-    def test_survives_pickling(self):
+    def test_survives_pickling_and_copying(self):
         table = hertzline.sweep(short_scene(), {"chain.preload_n": [0.1, 0.2]}, waveforms="v_last")
-        again = pickle.loads(pickle.dumps(table))
-        self.assertEqual(again.tobytes(), table.tobytes())
-        self.assertEqual((again.units, again.keys, again.grid), (table.units, table.keys, True))
-        self.assertEqual(again.provenance, table.provenance)
-        np.testing.assert_array_equal(again.waveforms, table.waveforms)
+        for again in (pickle.loads(pickle.dumps(table)), table.copy(), copy.copy(table), copy.deepcopy(table)):
+            self.assertEqual(again.tobytes(), table.tobytes())
+            self.assertEqual((again.units, again.keys, again.grid), (table.units, table.keys, True))
+            self.assertEqual(again.provenance, table.provenance)
+            np.testing.assert_array_equal(again.waveforms, table.waveforms)
+        self.assertIsNot(copy.deepcopy(table).waveforms, table.waveforms)
 
     def test_a_word_in_a_list_is_one_value(self):
         for values in (["wall,free"], ["wall\nfree"], ["0.1..1:3"], []):

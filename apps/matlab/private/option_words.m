@@ -6,6 +6,10 @@ function [words, options, settings] = option_words(who, known, pairs, folder)
 options = struct();
 settings = {};
 words = {};
+scene_keys = {'a key of the scene, as chain.preload_n'};
+if any(strcmp(known(:, 2), '--connect'))
+    scene_keys = {};  % a stream has its own scene
+end
 if mod(numel(pairs), 2)
     error('hertzline:wrongUse', '%s: found %d arguments behind the first ones, allowed: pairs of a name and a value', who, ...
           numel(pairs));
@@ -18,13 +22,13 @@ for k = 1:2:numel(pairs)
     end
     name = char(name);
     row = find(strcmp(known(:, 1), name));
-    if any(name == '.')
+    if any(name == '.') && ~isempty(scene_keys)
         name = program_key(name);
         settings(end + 1 : end + 2) = {name, value};
         words = [words, {'--set', setting(name, value)}]; %#ok<AGROW>
     elseif isempty(row)
         error('hertzline:wrongUse', '%s: found the option "%s", allowed: %s', who, name, ...
-              strjoin([known(:, 1)', {'a key of the scene, as chain.preload_n'}], ', '));
+              strjoin([known(:, 1)', scene_keys], ', '));
     else
         options.(name) = value;
         words = [words, words_of(known{row, 2}, known{row, 3}, name, value, folder)]; %#ok<AGROW>

@@ -31,6 +31,9 @@ class GapError(RuntimeError):
         self.missing = missing
         """Count of missing samples."""
 
+    def __reduce__(self) -> tuple[Any, ...]:
+        return type(self), (*self.args, self.missing)
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Block:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -15,6 +15,17 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 Floats = NDArray[np.float64]
+
+
+def names_in(argument: str, names: Iterable[str]) -> list[str]:
+    """A list of names; one by itself, which would be taken letter by letter, is refused."""
+    if isinstance(names, str):
+        raise TypeError(f'{argument}: found the text "{names}", allowed: a list of names, as ["{names}"]')
+    found = list(names)
+    for name in found:
+        if not isinstance(name, str):
+            raise TypeError(f"{argument}: found {name!r}, allowed: text in each place of the list")
+    return [name.encode("utf-8", "backslashreplace").decode() for name in found]  # half a surrogate pair is no text elsewhere
 
 
 class Spectrum(NamedTuple):
@@ -77,7 +88,7 @@ class Samples:
 
         Needs matplotlib. The figure is one of pyplot's: a notebook shows it by itself, a script by `plt.show()`.
         """
-        names = [name for name in self.taps if self[name].ndim == 1] if taps is None else list(taps)
+        names = [name for name in self.taps if self[name].ndim == 1] if taps is None else names_in("taps", taps)
         drawn = {name: (self[name], self.unit(name)) for name in names}
         recording = {"sample_rate_hz": self.sample_rate_hz, "provenance": self.provenance}
         return draw_samples(drawn, self.t, recording, title, axes)

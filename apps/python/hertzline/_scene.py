@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from . import _native
-from ._samples import Floats, Samples
+from ._samples import Floats, Samples, names_in
 
 Path = str | os.PathLike[str]
 
@@ -35,7 +35,7 @@ def scene(source: Path | Scene = "paper-vitreous-carbon", /, **sections: Mapping
         hertzline.scene("paper-vitreous-carbon", end={"thickness_m": 0.4e-3}, drive={"cycles": 10})
         hertzline.scene("mine.toml", materials={"clay": {"density_kg_per_m3": 1900.0}}, end={"material": "clay"})
 
-    scenes/README.md has every section and key, with units. Raises ValueError with every fault of the scene.
+    scenes/README.md has every section and key, with units. None takes the value of a file back. Raises ValueError with every fault of the scene.
     """
     settings = list(_settings(sections))
     if isinstance(source, Scene):
@@ -57,7 +57,7 @@ def _settings(sections: Mapping[str, Mapping[str, Any]], prefix: str = "") -> It
         elif isinstance(value, Mapping):
             yield f"{key}={{}}"  # which no key is
         elif prefix:
-            yield f"{key}={toml_value(key, value)}"
+            yield f"{key}={'null' if value is None else toml_value(key, value)}"
         else:
             raise TypeError(f"{key}: found {type(value).__name__}, allowed: a dict of the keys of this section")
 
@@ -177,17 +177,6 @@ class Scene:
 
 def _restored(toml: str, name: str) -> Scene:
     return Scene(_native.parse(toml, name, []))
-
-
-def names_in(argument: str, names: Iterable[str]) -> list[str]:
-    """A list of names; one by itself, which would be taken letter by letter, is refused."""
-    if isinstance(names, str):
-        raise TypeError(f'{argument}: found the text "{names}", allowed: a list of names, as ["{names}"]')
-    found = list(names)
-    for name in found:
-        if not isinstance(name, str):
-            raise TypeError(f"{argument}: found {name!r}, allowed: text in each place of the list")
-    return [name.encode("utf-8", "backslashreplace").decode() for name in found]  # half a surrogate pair is no text elsewhere
 
 
 class Result(Samples):

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterable
 
 from . import _native
-from ._samples import Floats
-from ._scene import Scene, names_in, scene
+from ._samples import Floats, names_in
+from ._scene import Scene, scene
 
 
 class Simulation:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
@@ -11,7 +12,8 @@ from numpy.typing import NDArray
 
 from . import _native
 from ._plot import draw_table
-from ._scene import Scene, names_in, scene, with_values
+from ._samples import names_in
+from ._scene import Scene, scene, with_values
 
 if TYPE_CHECKING:
     import pandas
@@ -195,6 +197,20 @@ class Table(np.ndarray[Any, np.dtype[Any]]):
         names = found.dtype.names if isinstance(found, Table) else None
         return found.view(np.ndarray) if isinstance(found, Table) and names is None else found
 
+    def copy(self, order: Any = "C") -> Table:
+        """The same table, with its waveforms."""
+        found = super().copy(order)
+        found.__dict__.update(self.__dict__)
+        return found
+
+    def __copy__(self) -> Table:
+        return self.copy()
+
+    def __deepcopy__(self, memo: dict[int, Any] | None) -> Table:
+        found = super().copy()
+        found.__dict__.update(copy.deepcopy(self.__dict__, memo))
+        return found
+
     def __reduce__(self) -> tuple[Any, ...]:
         reduced: Any = super().__reduce__()
         make, arguments, state = reduced
@@ -262,7 +278,8 @@ class SearchResult:
     """The numbers of `hertzline optimise --json`, with the same names, without `file`: the best point, its
     neighbourhood, how sure it is."""
     warnings: list[str]
-    """Sentences: the best point lies on an edge, only one local search found it, or no point keeps to the bounds."""
+    """Sentences: the best point lies beside a cliff or at a limit of a range, only one local search found it, or no point
+    keeps to the bounds."""
 
     @property
     def best(self) -> Any:

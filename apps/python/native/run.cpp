@@ -97,7 +97,7 @@ std::shared_ptr<RunResult> run(SceneObject& object, const std::optional<std::vec
     result->counts = channel_counts(resolved->scene);
     result->asked = request.taps;
     result->provenance =
-        measures::provenance_json({resolved->scene, resolved->estimate,
+        measures::provenance_json({resolved->scene, resolved->estimate, resolved->asked,
                                    measures::utc_text(std::chrono::system_clock::now()), std::nullopt});
     interruptible([&](const std::atomic<bool>& stop) { simulate(*resolved, request, stop, *result); });
     return result;
