@@ -237,6 +237,10 @@ tl::expected<SceneKey, Fault> varied_key(const Scene& scene, std::string_view na
     if (key && key->is_list()) {
         return tl::unexpected(Fault{key->name, "a list", "an entry of it, as " + key->entry(0).name});
     }
+    if (key && key->name == "drive.file" && !scene.drive.samples.empty()) {
+        return tl::unexpected(Fault{key->name, "a key that varies beside a record that the scene has",
+                                    "a scene without drive.file"});
+    }
     if (key && key->traits.reads_record && !scene.drive.samples.empty()) {
         return tl::unexpected(
             Fault{key->name, "a key by which the record was read, once for all points",
@@ -269,6 +273,12 @@ SceneValue Axis::at(double position) const {
     const double number =
         spacing == Spacing::linear ? low + (high - low) * position : low * std::pow(high / low, position);
     return value_of(key, std::clamp(number, from, to));
+}
+
+double Axis::position(const SceneValue& value) const {
+    const double number = number_of(value);
+    return spacing == Spacing::linear ? (number - from) / (to - from)
+                                      : std::log(number / from) / std::log(to / from);
 }
 
 std::string Axis::text() const {

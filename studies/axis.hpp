@@ -41,6 +41,9 @@ struct Axis {
     /// Returns the value at a position in the range, from 0 to 1 without 1. Elements of a list have equal shares.
     SceneValue at(double position) const;
 
+    /// Returns the position of a value in the range.
+    double position(const SceneValue& value) const;
+
     /// Returns the canonical text, "chain.preload_n=0.01..10:log:40".
     std::string text() const;
 };

@@ -7,6 +7,7 @@
 #include <string>
 #include <utility>
 
+#include "core/model/drive.hpp"
 #include "core/scene/scene_words.hpp"
 #include "core/scene/text.hpp"
 #include "hertzline/resolve.hpp"
@@ -50,7 +51,11 @@ PointStatus status_of(const Resolution& resolved) {
 }  // namespace
 
 std::string scene_refusal(const Scene& scene) {
-    const std::string faults = fault_text(validate(scene), "; ");
+    std::vector<Fault> wrong = validate(scene);
+    if (auto fault = awaited_samples_fault(scene.drive)) {
+        wrong.push_back(*std::move(fault));
+    }
+    const std::string faults = fault_text(wrong, "; ");
     return faults.empty() ? measures::longest_run_fault(scene).value_or("") : faults;
 }
 

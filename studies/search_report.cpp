@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <variant>
 
 #include <fmt/format.h>
@@ -140,6 +141,57 @@ std::string fall_text(double fall) {
                                : std::string("breaks a bound or has no number");
 }
 
+/// The limits of ranges that the values reach: "the lower limit of chain.preload_n"
+std::vector<std::string> limits_at(const std::vector<Axis>& axes, const std::vector<SceneValue>& values) {
+    constexpr double near = 0.005;  // of the range
+    std::vector<std::string> limits;
+    for (std::size_t i = 0; i < axes.size(); ++i) {
+        const Axis& axis = axes[i];
+        if (!axis.list.empty()) {
+            continue;
+        }
+        const double position = axis.position(values[i]);
+        if (position <= near || position >= 1 - near) {
+            limits.push_back(
+                fmt::format("the {} limit of {}", position <= near ? "lower" : "upper", axis.key.name));
+        }
+    }
+    return limits;
+}
+
+/// Whether all points of the axes are evaluated, as far as they can be counted.
+bool has_all_points(const SearchJob& job) {
+    double points = 1;
+    for (const Axis& axis : job.request().axes) {
+        const bool whole = axis.key.kind == ValueKind::integer;
+        points *= !axis.list.empty() ? static_cast<double>(axis.list.size())
+                  : whole            ? axis.to - axis.from + 1
+                                     : INFINITY;
+    }
+    return static_cast<double>(job.evaluations().size()) >= points;
+}
+
+bool keeps(const Constraint& constraint, double value) {
+    return constraint.at_least ? value >= constraint.bound : value <= constraint.bound;
+}
+
+/// The measures of the goal and the bounds that no point has.
+std::vector<std::string> missing_measures(const SearchJob& job) {
+    const Goal& goal = job.request().goal;
+    std::vector<std::string> measures{goal.measure};
+    std::ranges::transform(goal.constraints, std::back_inserter(measures), &Constraint::measure);
+    std::erase_if(measures, [&](const std::string& measure) {
+        for (std::int64_t point = 0; point < job.evaluations().size(); ++point) {
+            const Json value = point_json(job, point)[measure];
+            if (value.is_number() && std::isfinite(value.get<double>())) {
+                return true;
+            }
+        }
+        return false;
+    });
+    return measures;
+}
+
 }  // namespace
 
 std::vector<measures::SummaryGroup> search_summary(const SearchJob& job, const Json& files) {
@@ -175,7 +227,12 @@ Warnings search_warnings(const SearchJob& job) {
         }
         warnings.push_back(text);
     }
-    if (!job.result().starts.empty() && starts_at_best(job) < 2) {
+    const auto& values = job.evaluations()[best.centre].values;
+    if (const auto limits = limits_at(job.request().axes, values); !limits.empty()) {
+        warnings.push_back(fmt::format("the best point lies at {}: wider ranges may have a better one",
+                                       comma_separated(limits)));
+    }
+    if (!job.result().starts.empty() && starts_at_best(job) < 2 && !has_all_points(job)) {
         warnings.push_back(
             "fewer than two local searches reached the best value: more evaluations or another "
             "seed may find a better one");
@@ -189,14 +246,18 @@ std::string no_feasible_text(const SearchJob& job) {
         all, {}, [](const Evaluations::Evaluation& evaluation) { return evaluation.merit; });
     std::string text = fmt::format("none of {} points ", all.size());
     if (closest == all.end() || !closest->score.usable) {
-        return text + "has the numbers of the goal and the bounds; their messages say why";
+        const std::vector<std::string> missing = missing_measures(job);
+        return text + "has the numbers of the goal and the bounds" +
+               (missing.empty() ? "; their messages say why" : ": all lack " + comma_separated(missing));
     }
     const auto number = closest - all.begin();
     text += fmt::format("keeps to the bounds; the closest is {}", job.study().plan.name(number));
     const Json values = point_json(job, number);
     for (const Constraint& constraint : job.request().goal.constraints) {
-        text += fmt::format(", {} = {} where {} is required", constraint.measure,
-                            number_text(values[constraint.measure].get<double>()), constraint.text());
+        if (const double value = values[constraint.measure].get<double>(); !keeps(constraint, value)) {
+            text += fmt::format(", {} = {} where {} is required", constraint.measure, number_text(value),
+                                constraint.text());
+        }
     }
     return text;
 }

@@ -57,6 +57,14 @@ bool awaits_samples(const Drive& drive) noexcept {
     return drive.kind == DriveKind::live && drive.samples.empty() && !drive.file;
 }
 
+std::optional<Fault> awaited_samples_fault(const Drive& drive) {
+    if (!awaits_samples(drive)) {
+        return std::nullopt;
+    }
+    return Fault{"drive.kind", R"("live" without samples)",
+                 "a stream (hertzline stream --drive ENDPOINT), or a recording of one"};
+}
+
 Scene as_declared(Scene scene) {
     if (scene.drive.kind == DriveKind::live) {
         scene.drive.kind = DriveKind::tone;

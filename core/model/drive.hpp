@@ -33,6 +33,9 @@ bool has_samples(const Drive& drive) noexcept;
 /// Whether it is a live drive whose samples come while a stream runs: the scene has none, and names no file with them.
 bool awaits_samples(const Drive& drive) noexcept;
 
+/// The fault of a run with such a drive.
+std::optional<Fault> awaited_samples_fault(const Drive& drive);
+
 /// The tone that a live drive declares, for pilots: no other is known. Any other scene as it is.
 Scene as_declared(Scene scene);
 

@@ -23,6 +23,7 @@ using nlohmann::json;
 using testing::AllOf;
 using testing::HasSubstr;
 using testing::IsEmpty;
+using testing::Not;
 
 /// A quick search: a short chain on a wall, and few samples.
 const Words search_scene = with({"optimise"}, quick_points);
@@ -106,9 +107,28 @@ TEST_F(Optimise, WithoutAFeasiblePointSaysHowFarTheClosestIs) {
         optimised("n.csv", {"--subject-to", "peak_v_last_m_per_s >= 100", "--subject-to", "thd_r >= 0"});
     EXPECT_EQ(outcome.status, 1);
     EXPECT_THAT(outcome.err, AllOf(HasSubstr("none of "), HasSubstr("the closest is point "),
-                                   HasSubstr("where peak_v_last_m_per_s >= 100 is required")));
+                                   HasSubstr("where peak_v_last_m_per_s >= 100 is required"),
+                                   Not(HasSubstr("thd_r >= 0"))));
     EXPECT_THAT(outcome.out, HasSubstr("feasible     0"));
     EXPECT_TRUE(fs::exists(folder.file("n.csv")));
+}
+
+TEST_F(Optimise, SaysWhichNumberNoPointHas) {
+    const Outcome outcome =
+        hertzline(with(search_scene, {"--vary", "chain.preload_n=0.1..1", "--maximise", "switching_db_5",
+                                      "--evaluations", "18", "-o", folder.file("n.csv")}));
+    EXPECT_EQ(outcome.status, 1);
+    EXPECT_THAT(outcome.err, HasSubstr("of the goal and the bounds: all lack switching_db_5"));
+}
+
+TEST_F(Optimise, SaysWhenTheBestPointIsAtALimit) {
+    const Outcome outcome = hertzline(
+        with(search_scene, {"--vary", "drive.amplitude_m=1um..2um", "--maximise", "peak_v_last_m_per_s",
+                            "--evaluations", "30", "-o", folder.file("l.csv")}));
+    EXPECT_THAT(outcome.err, HasSubstr("the best point lies at the upper limit of drive.amplitude_m"));
+    const Outcome list = hertzline(with(search_scene, {"--vary", "chain.spheres=3,4", "--maximise", "thd_r",
+                                                       "--evaluations", "30", "-o", folder.file("m.csv")}));
+    EXPECT_THAT(list.err, AllOf(Not(HasSubstr("the best point lies at")), Not(HasSubstr("another seed"))));
 }
 
 TEST_F(Optimise, IsDrawn) {

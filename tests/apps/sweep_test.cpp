@@ -297,6 +297,15 @@ TEST(Sweep, ASceneMayLackWhatVaries) {
     EXPECT_THAT(still.err, HasSubstr("chain.damping_alpha"));
 }
 
+TEST(Sweep, ALiveDriveIsRefusedAsRunDoes) {
+    const Outcome outcome = hertzline(
+        with(quick_sweep, {"--vary", "drive.kind=tone,live", "--set", "drive.sample_rate_hz=1e6", "--json"}));
+    EXPECT_EQ(outcome.status, 0) << outcome.err;
+    const json live = rows_of(outcome).at(1);
+    EXPECT_EQ(live["status"], "refused");
+    EXPECT_THAT(live["message"].get<std::string>(), HasSubstr("drive.kind: found \"live\" without samples"));
+}
+
 TEST(Sweep, IsDrawn) {
     const TemporaryFolder folder;
     const auto drawn = [&](const std::string& table, const Words& sweep, const Words& plot) {

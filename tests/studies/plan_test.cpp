@@ -70,7 +70,11 @@ TEST(FirstSettings, AreTheFirstValuesAsTheyStand) {
     EXPECT_THAT(of_vary("chain.preload_n=10mN..1N:log:4"), ElementsAre("chain.preload_n=10mN"));
     EXPECT_THAT(of_vary("drive.file=../a.npy,../b.npy"), ElementsAre("drive.file=../a.npy"));
     EXPECT_THAT(of_vary(".."), ElementsAre(""));
-    EXPECT_THAT(first_settings({{}, "\xEF\xBB\xBFa.b, \"c.d\"\n\n1,\"x\"\n2,y\n", "", std::nullopt}),
+    EXPECT_THAT(first_settings({{},
+                                "\xEF\xBB\xBF"
+                                "a.b, \"c.d\"\n\n1,\"x\"\n2,y\n",
+                                "",
+                                std::nullopt}),
                 ElementsAre("a.b=1", "c.d=x"));
     EXPECT_THAT(first_settings({{}, "a.b\n", "", std::nullopt}), IsEmpty());
 }

@@ -70,7 +70,10 @@ std::optional<ParsedScene> base_scene(const SweepOptions& options, const studies
     auto alone = parsed_scene(options.scene);
     if (!alone) {
         SceneRequest completed = options.scene;
-        std::ranges::move(studies::first_settings(plan), std::back_inserter(completed.settings));
+        std::ranges::copy_if(studies::first_settings(plan), std::back_inserter(completed.settings),
+                             [](std::string_view setting) {  // points read their records themselves
+                                 return !setting.starts_with("drive.file=");
+                             });
         if (auto first = parsed_scene(completed)) {
             return *std::move(first);
         }
