@@ -100,6 +100,25 @@ fs::path recording_name(const fs::path& path) {
     return (recording_ending(path) == sigmf_data_ending ? sigmf_paths(path).meta : path).lexically_normal();
 }
 
+bool share_files(const fs::path& one, const fs::path& other) {
+    const fs::path a = recording_name(one);
+    const fs::path b = recording_name(other);
+    const auto is_same = [](const fs::path& x, const fs::path& y) {
+        std::error_code one_is_missing;
+        return x == y || fs::equivalent(x, y, one_is_missing);
+    };
+    const auto folder = [](const fs::path& file) {
+        return file.has_parent_path() ? file.parent_path() : ".";
+    };
+    const auto is_member = [&](const fs::path& file, const fs::path& collection) {
+        return recording_ending(collection) == sigmf_collection_ending &&
+               recording_ending(file) == sigmf_meta_ending &&
+               file.stem().string().starts_with(collection.stem().string() + '-') &&
+               is_same(folder(file), folder(collection));
+    };
+    return is_same(a, b) || is_same(one, other) || is_member(a, b) || is_member(b, a);
+}
+
 double recording_bytes(const fs::path& path, double columns, double samples) noexcept {
     constexpr double time_column = 1;  // in formats that have one
     const Format* format = format_of(path);

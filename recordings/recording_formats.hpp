@@ -26,6 +26,9 @@ std::optional<std::string> recording_fault(const std::filesystem::path& path,
 /// Returns the name that all names of one recording share: x.sigmf-meta for x.sigmf-data.
 std::filesystem::path recording_name(const std::filesystem::path& path);
 
+/// Whether two recordings have a file in common: they are one, or one is a member of the other, a SigMF collection.
+bool share_files(const std::filesystem::path& one, const std::filesystem::path& other);
+
 /// Returns an upper bound of a recording's bytes, so that a full disk is noticed before the run.
 double recording_bytes(const std::filesystem::path& path, double columns, double samples) noexcept;
 

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <filesystem>
-#include <set>
 
 #include <fmt/format.h>
 
@@ -74,12 +73,14 @@ void check_wav_scale(std::optional<double> scale, std::span<const std::string> f
 }
 
 void check_recordings(std::span<const std::string> files, Faults& faults) {
-    std::set<std::filesystem::path> names;
-    for (const std::string& file : files) {
-        const auto fault = recordings::recording_fault(file);
+    for (std::size_t i = 0; i < files.size(); ++i) {
+        const auto fault = recordings::recording_fault(files[i]);
         faults.add(fault);
-        if (!fault && !names.insert(recordings::recording_name(file)).second) {
-            faults.add(file, "found a second time, allowed: each recording once");
+        const auto before = files.first(i);
+        const auto twin = std::ranges::find_if(
+            before, [&](const std::string& other) { return recordings::share_files(files[i], other); });
+        if (!fault && twin != before.end()) {
+            faults.add(files[i], "found files of " + *twin + ", allowed: each file once");
         }
     }
 }

@@ -86,6 +86,29 @@ TEST(RecordingSet, EachSaysWhereItComesFrom) {
     }
 }
 
+TEST(RecordingSet, NoneHasAFileOfAnother) {
+    const TemporaryFolder folder;
+    const std::string collection = folder.file("a.sigmf-collection");
+    const std::string member = folder.file("a-v_out_m_per_s.sigmf-meta");
+    const auto fault = [](const Words& words) {
+        const Outcome outcome = hertzline(words);
+        EXPECT_EQ(outcome.status, 2) << testing::PrintToString(words);
+        return outcome.err;
+    };
+    EXPECT_THAT(fault({"run", "paper-wall", "-o", collection, "-o", member}),
+                HasSubstr("found files of " + collection));
+    EXPECT_THAT(fault({"stream", "paper-wall", "--record", member, "--record", collection}),
+                HasSubstr("found files of " + member));
+    ASSERT_EQ(hertzline({"run", "paper-wall", "-o", collection}).status, 0);
+    EXPECT_THAT(fault({"run", collection, "-o", member}), HasSubstr("found a file that is read here"));
+    EXPECT_THAT(fault({"run", "paper-wall", "--set", "drive.kind=file", "--set",
+                       "drive.file=" + folder.file("a-v_out_m_per_s.sigmf-data"), "-o", collection}),
+                HasSubstr("found a file that is read here"));
+    EXPECT_EQ(
+        hertzline({"run", "paper-wall", "-o", collection, "-o", folder.file("b-v_out.sigmf-meta")}).status,
+        0);
+}
+
 TEST(RecordingSet, OneThatCannotBeBegunIsAnErrorBeforeAnythingIsStreamed) {
     const TemporaryFolder folder;
     const Outcome stream = hertzline({"stream", "paper-stream", "--bind", any_port, "--record",

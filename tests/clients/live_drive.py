@@ -134,6 +134,9 @@ class LiveDrive(unittest.TestCase):
 
             heard_of(burst(), "--record", f"{folder}/out.csv", "--record", f"{folder}/out.h5", "--columns", "v_out")
             self.assertEqual(run("out.h5").returncode, 0)
+            beside = subprocess.run([PROGRAM, "run", f"{folder}/out.h5", "-o", f"{folder}/out.csv-drive.sigmf-meta"],
+                                    capture_output=True, text=True)
+            self.assertEqual((beside.returncode, "read here" in beside.stderr), (2, True), beside.stderr)
             heard_of(burst() / 2, "--record", f"{folder}/out.csv", "--columns", "v_out")
             self.assertEqual(run("out.csv").returncode, 0)
             other = run("out.h5")  # names the input of out.csv, which is another now
