@@ -113,8 +113,51 @@ Warnings scene_warnings(const Resolution& resolved, const Chain& chain) {
     return warnings;
 }
 
-std::optional<std::string> missed_accuracy(const Resolution& resolved) {
+namespace {
+
+/// Why the accuracy is missed, behind "; "; empty where there is no particular reason.
+std::string reason_of_miss(const Resolution& resolved) {
     const StepAdvice& advice = resolved.advice;
+    const auto& estimate = resolved.estimate;
+    if (constexpr double far_too_many = 1e8; resolved.steps_per_burst > far_too_many) {
+        return fmt::format("; the scene is too stiff: with its steps of {:.2g} s a burst takes {:.2g}",
+                           *resolved.scene.numerics.step_s, resolved.steps_per_burst);
+    }
+    if (estimate && estimate->of_fit > 0.5 * estimate->error) {
+        return "; no step changes that: fits of the plate's response by other numbers of poles differ by as "
+               "much, because the contact's force has parts beyond the band that is fitted (fit_band_hz of "
+               "check)";
+    }
+    if (estimate && estimate->amplifies) {
+        return "; the motion amplifies rounding errors, so that no step is good enough: judge it by "
+               "energy_residual and statistics, not sample by sample";
+    }
+    if (resolved.scene.numerics.rest_tolerance > 0) {
+        return "; numerics.rest_tolerance cuts off what rings more quietly, which is a part of it";
+    }
+    if (!advice.accuracy_met) {
+        return "";
+    }
+    return resolved.step_set_by_scene
+               ? fmt::format("; without numerics.step_s the program chooses a step for an accuracy of {:g}",
+                             advice.accuracy)
+               : fmt::format(
+                     "; it is kept over the first {:.3g} s, but errors grow: a smaller "
+                     "numerics.accuracy may do",
+                     advice.pilot_duration_s);
+}
+
+}  // namespace
+
+std::string missed_by(const Resolution& resolved, const ErrorEstimate& estimate) {
+    return fmt::format("the estimated error over the first {:.3g} s is {:.2g}", estimate.over_s,
+                       estimate.error) +
+           (resolved.step_set_by_scene
+                ? std::string(", by the step that the scene gives")
+                : fmt::format(", above the requested accuracy of {:g}", resolved.advice.accuracy));
+}
+
+std::optional<std::string> missed_accuracy(const Resolution& resolved) {
     if (resolved.may_miss_accuracy()) {
         return fmt::format(
             "the error is estimated over the first {:.3g} s of {:.3g} s; how far it grows after that is not "
@@ -124,34 +167,10 @@ std::optional<std::string> missed_accuracy(const Resolution& resolved) {
     if (!resolved.misses_accuracy()) {
         return std::nullopt;
     }
-    std::string why;
-    if (constexpr double far_too_many = 1e8; resolved.steps_per_burst > far_too_many) {
-        why = fmt::format("; the scene is too stiff: with its steps of {:.2g} s a burst takes {:.2g}",
-                          *resolved.scene.numerics.step_s, resolved.steps_per_burst);
-    } else if (resolved.estimate && resolved.estimate->of_fit > 0.5 * resolved.estimate->error) {
-        why =
-            "; no step changes that: fits of the plate's response by other numbers of poles differ by as "
-            "much, because the contact's "
-            "force has parts beyond the band that is fitted (fit_band_hz of check)";
-    } else if (resolved.estimate && resolved.estimate->amplifies) {
-        why =
-            "; the motion amplifies rounding errors, so that no step is good enough: judge it by "
-            "energy_residual and statistics, "
-            "not sample by sample";
-    } else if (resolved.scene.numerics.rest_tolerance > 0) {
-        why = "; numerics.rest_tolerance cuts off what rings more quietly, which is a part of it";
-    } else if (advice.accuracy_met) {
-        why = fmt::format(
-            "; it is kept over the first {:.3g} s, but errors grow: a smaller numerics.accuracy may do",
-            advice.pilot_duration_s);
-    }
-    if (!resolved.estimate) {
-        return fmt::format("the error could not be estimated; requested: {:g}{}", advice.accuracy, why);
-    }
-    const ErrorEstimate& estimate = *resolved.estimate;
-    return fmt::format(
-        "the estimated error over the first {:.3g} s is {:.2g}, above the requested accuracy of {:g}{}",
-        estimate.over_s, estimate.error, advice.accuracy, why);
+    return (resolved.estimate ? missed_by(resolved, *resolved.estimate)
+                              : fmt::format("the error could not be estimated; requested: {:g}",
+                                            resolved.advice.accuracy)) +
+           reason_of_miss(resolved);
 }
 
 }  // namespace hertzline::measures

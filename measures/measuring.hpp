@@ -22,6 +22,9 @@ Warnings scene_warnings(const Resolution& resolved);
 /// The same. @param chain of the scene, or of an array's first element
 Warnings scene_warnings(const Resolution& resolved, const Chain& chain);
 
+/// "the estimated error over the first 0.001 s is 0.0002, above the requested accuracy of 0.0001"
+std::string missed_by(const Resolution& resolved, const ErrorEstimate& estimate);
+
 /// Returns a warning of a scene that misses its accuracy, with the reason, or may miss it, with the unknown part.
 /// Nothing when it is met.
 std::optional<std::string> missed_accuracy(const Resolution& resolved);

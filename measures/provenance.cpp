@@ -20,7 +20,7 @@ namespace hertzline::measures {
 
 namespace {
 
-constexpr std::array<std::string_view, 20> keys{"program",
+constexpr std::array<std::string_view, 21> keys{"program",
                                                 "version",
                                                 "git_hash",
                                                 "compiler",
@@ -33,6 +33,7 @@ constexpr std::array<std::string_view, 20> keys{"program",
                                                 "estimated_error",
                                                 "estimated_over_s",
                                                 "p_axis_travel_s",
+                                                "asked_numerics",
                                                 "scene",
                                                 "epoch",
                                                 "epoch_sample",
@@ -81,6 +82,9 @@ Json provenance_json(const Provenance& provenance) {
     if (provides(scene, Requires::modal_plate)) {
         json["p_axis_travel_s"] = plate_parameters(scene).travel_s();
     }
+    Scene asked;
+    asked.numerics = provenance.asked;
+    json["asked_numerics"] = scene_json(asked)["numerics"];
     json["scene"] = scene_json(scene);
     return json;
 }

@@ -28,6 +28,7 @@ std::string utc_text(std::chrono::system_clock::time_point time);
 struct Provenance {
     const Scene& scene;                     ///< resolved (hertzline/resolve.hpp)
     std::optional<ErrorEstimate> estimate;  ///< error of the velocities; unset: unknown
+    Numerics asked;                         ///< as the scene gave them before it was resolved
     std::string start_time;                 ///< when the run was set up (utc_text)
     std::optional<std::string> run = {};    ///< its id; unset: it has none
 };
@@ -36,7 +37,7 @@ struct Provenance {
 void add_estimate(Json& json, const std::optional<ErrorEstimate>& estimate);
 
 /// program, version, git_hash, compiler, simd_target, start_time, run (if any), scene_hash, integrator,
-/// step_s, estimated_error and estimated_over_s (null: unknown), scene.
+/// step_s, estimated_error and estimated_over_s (null: unknown), asked_numerics, scene.
 Json provenance_json(const Provenance& provenance);
 
 /// The provenance in a message of the topic meta: those of the keys above that it has.

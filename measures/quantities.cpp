@@ -226,7 +226,8 @@ const std::array table{
              "relative L2 error of the worst of `v_last` and the plate's outputs (`v_plate`, `v_out`; of a modal plate `v_centre`, `v_face`, "
              "`p_axis`, `p_points`, and the error of its fit), from a pilot run with the step in use "
              "([core](../core/README.md#ask-for-an-accuracy-not-a-step)); good: at most `numerics.accuracy`, else there is a warning, "
-             "unless the scene gives its step, which asks for no accuracy; null when the step is too short for a pilot run of about a second",
+             "unless the scene gives its step: it asks for no accuracy, and is warned of above 0.05, or above 1e-4 where the motion amplifies "
+             "rounding errors; null when the step is too short for a pilot run of about a second",
              [](R run) { return run.resolved.estimate ? Json(run.resolved.estimate->error) : Json(nullptr); }},
     Quantity{G::trust, "estimated_over_s", "s", K::number, C::first,
              "for how long that holds, from the start: the run, with a warning if that would take too long, or the stretch that pilots watch "

@@ -4,6 +4,7 @@
 #include <chrono>
 #include <condition_variable>
 #include <filesystem>
+#include <functional>
 #include <mutex>
 #include <optional>
 #include <stdexcept>
@@ -78,21 +79,34 @@ private:
     std::jthread thread_;  // last: it uses the others
 };
 
-/// The scene in a recording of hertzline, with its settings; nothing where the name is no recording's.
-std::optional<tl::expected<ParsedScene, std::vector<Fault>>> scene_of_recording(const SceneRequest& request) {
+/// The provenance of a recording; nothing where the name is no recording's. @throws std::runtime_error when it cannot be read
+std::optional<Json> provenance_of_recording(const std::string& name) {
     std::error_code unknown;
-    if (!std::filesystem::is_regular_file(request.scene, unknown) ||
-        recordings::recording_fault(request.scene, recordings::Access::reading)) {
+    if (!std::filesystem::is_regular_file(name, unknown) ||
+        recordings::recording_fault(name, recordings::Access::reading)) {
         return std::nullopt;
     }
+    return recordings::open_reader(name)->head().provenance;
+}
+
+/// The scene in a recording of hertzline as it was asked for, with its settings; nothing where the name is no recording's. Steps that
+/// the program chose are chosen again: they suit no other scene. @param inform takes sentences about the recording
+std::optional<tl::expected<ParsedScene, std::vector<Fault>>> scene_of_recording(
+    const SceneRequest& request, const std::function<void(const std::string&)>& inform) {
     const auto fault = [&](const std::string& found, const std::string& allowed) {
         return tl::unexpected(std::vector{Fault{"", found, allowed, {printable(request.scene)}}});
     };
     try {
-        const Json provenance = recordings::open_reader(request.scene)->head().provenance;
-        const Json& scene = OutsideJson(provenance).at("scene");
+        const std::optional<Json> provenance = provenance_of_recording(request.scene);
+        if (!provenance) {
+            return std::nullopt;
+        }
+        Json scene = OutsideJson(*provenance).at("scene");
         if (!scene.is_object()) {
             return fault("no scene in this recording", "scenes, and recordings of hertzline");
+        }
+        if (const Json& asked = OutsideJson(*provenance).at("asked_numerics"); asked.is_object()) {
+            scene["numerics"] = asked;
         }
         const auto recorded = scene_of_json(scene);
         if (!recorded) {
@@ -102,6 +116,17 @@ std::optional<tl::expected<ParsedScene, std::vector<Fault>>> scene_of_recording(
         if (auto unread =
                 parsed ? recordings::read_drive(*parsed, [](const std::string&) {}) : std::nullopt) {
             return tl::unexpected(std::vector{*std::move(unread)});
+        }
+        if (parsed) {
+            for (auto& [key, place] : parsed->places) {
+                place.line = 0;  // of the text above, which no file has
+            }
+        }
+        const Json& changes = OutsideJson(*provenance).at("changes");
+        if (parsed && changes.is_array() && !changes.empty()) {
+            inform(fmt::format(
+                "{}: the scene is that of its beginning, without its {} changes, which hertzline run repeats",
+                parsed->origin, changes.size()));
         }
         return parsed;
     } catch (const std::runtime_error& error) {
@@ -119,6 +144,16 @@ std::vector<std::string> files_of(const SceneRequest& request) {
             files.push_back(setting.substr(record.size()));
         }
     }
+    try {
+        if (const std::optional<Json> provenance = provenance_of_recording(request.scene)) {
+            if (const std::string drive = OutsideJson(*provenance).text("scene/drive/file"); !drive.empty()) {
+                files.push_back((std::filesystem::path(request.scene).parent_path() / drive).string());
+            }
+            return files;
+        }
+    } catch (const std::runtime_error&) {
+        return files;  // it cannot be read at all
+    }
     if (const auto parsed = parse_scene_file(request.scene, request.settings)) {
         if (const auto file = recordings::record_of(*parsed)) {
             files.push_back(file->string());
@@ -129,14 +164,9 @@ std::vector<std::string> files_of(const SceneRequest& request) {
 
 void check_inputs_stay(std::string_view option, std::span<const std::string> outputs,
                        std::span<const std::string> inputs, Faults& faults) {
-    const auto same = [](const std::filesystem::path& a, const std::filesystem::path& b) {
-        std::error_code one_is_missing;
-        return std::filesystem::equivalent(a, b, one_is_missing);
-    };
     for (const std::string& output : outputs) {
         for (const std::string& input : inputs) {
-            if (same(output, input) ||
-                same(recordings::recording_name(output), recordings::recording_name(input))) {
+            if (recordings::share_files(output, input)) {
                 faults.add(fmt::format("{} {}", option, printable(output)),
                            "found a file that is read here, allowed: another file");
                 break;
@@ -150,7 +180,8 @@ std::size_t usable_threads() {
 }
 
 tl::expected<ParsedScene, std::vector<Fault>> parsed_scene(const SceneRequest& request) {
-    if (auto recorded = scene_of_recording(request)) {
+    if (auto recorded =
+            scene_of_recording(request, [](const std::string& text) { spdlog::info("{}", text); })) {
         return *std::move(recorded);
     }
     return recordings::parse_scene_with_drive(

@@ -253,7 +253,7 @@ Json provenance_of(const Scene& scene, const Resolution& resolved, const studies
     Scene without_points = scene;
     without_points.output.points_m.clear();
     Json json =
-        measures::provenance_json({without_points, resolved.estimate,
+        measures::provenance_json({without_points, resolved.estimate, resolved.asked,
                                    measures::utc_text(std::chrono::system_clock::now()), std::nullopt});
     json["plane"] = grid.text();
     return json;

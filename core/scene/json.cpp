@@ -68,12 +68,12 @@ private:
 
 }  // namespace
 
-Json json_from_outside(std::string_view text) {
+Json json_from_outside(std::string_view text, std::string_view subject) {
     // First the bounds, then the objects. Json::parse with a callback does both at once, but looks through the whole
     // array again behind each of its elements.
     JsonBounds bounds;
     if (!Json::sax_parse(text, &bounds)) {
-        throw std::runtime_error("description: " + bounds.fault);
+        throw std::runtime_error(std::string(subject) + ": " + bounds.fault);
     }
     return Json::parse(text);
 }

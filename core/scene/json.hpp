@@ -14,8 +14,8 @@ using Json = nlohmann::ordered_json;
 
 /// Parses JSON that is not trusted, in a time that is proportional to its length.
 /// @throws std::runtime_error when it is not JSON, is nested so deep that following it would exhaust the stack, or has
-/// millions of values or objects of thousands of keys
-Json json_from_outside(std::string_view text);
+/// millions of values or objects of thousands of keys. @param subject begins the message
+Json json_from_outside(std::string_view text, std::string_view subject = "description");
 
 /// A scene with a million samples of a recorded drive, and more [bytes].
 inline constexpr std::size_t largest_scene_json = std::size_t{32} << 20;

@@ -72,6 +72,7 @@ enum class Choice { guessed, by_pilots };
 Resolution of_chains(const Scene& asked, Choice choice, const std::atomic<bool>* stop) {
     Resolution result;
     result.scene = with_integrator(asked);
+    result.asked = asked.numerics;
     result.integrator_reason = integrator_choice(asked).reason;
     result.step_set_by_scene = asked.numerics.step_s.has_value();
     result.advice.accuracy = asked.numerics.accuracy.value_or(default_accuracy);

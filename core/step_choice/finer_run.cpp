@@ -42,6 +42,7 @@ double error_per_difference(const Scene& scene) noexcept {
 
 std::optional<Resolution> resolve_unmeasured(const Scene& asked) {
     Resolution result;
+    result.asked = asked.numerics;
     const IntegratorChoice choice = integrator_choice(asked);
     result.integrator_reason = choice.reason;
     result.advice.accuracy = asked.numerics.accuracy.value_or(default_accuracy);

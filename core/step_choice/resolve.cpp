@@ -181,13 +181,13 @@ Resolution resolve(const Scene& asked, std::optional<double> run_s, const std::a
     Resolution result;
     result.run_s = run_s;
     result.scene = asked;
+    result.asked = asked.numerics;
     result.faults = validate(asked);
     if (result.faults.empty()) {
         result.faults = model_faults(asked);
     }
-    if (result.faults.empty() && run_s && awaits_samples(asked.drive)) {
-        result.faults.push_back({"drive.kind", R"("live" without samples)",
-                                 "a stream (hertzline stream --drive ENDPOINT), or a recording of one"});
+    if (auto fault = awaited_samples_fault(asked.drive); fault && result.faults.empty() && run_s) {
+        result.faults.push_back(*std::move(fault));
     }
     if (!result.faults.empty()) {
         return result;

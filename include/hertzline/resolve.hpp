@@ -59,7 +59,8 @@ struct Resolution {
     /// For a Simulation. @throws std::invalid_argument with every fault, a line each
     operator ResolvedScene() const;
 
-    Scene scene;  ///< without faults: numerics.integrator and step_s set, accuracy unset
+    Scene scene;     ///< without faults: numerics.integrator and step_s set, accuracy unset
+    Numerics asked;  ///< as the scene gave them
     IntegratorReason integrator_reason = IntegratorReason::set_by_scene;
     bool step_set_by_scene = false;
     StepAdvice advice;
@@ -75,18 +76,23 @@ struct Resolution {
     double steps_per_burst = 0;   ///< to be expected: steps, or pieces of a series
     std::vector<Fault> faults;    ///< of the values, the step, the plate or the rest tolerance
 
-    /// Whether the accuracy asked for, or the default, is missed by the estimate. A scene that gives its step asks for none.
-    bool misses_accuracy() const noexcept {
-        return !step_set_by_scene && !(estimate && estimate->error <= advice.accuracy);
+    /// Whether the accuracy asked for, or the default, is missed by the estimate. A scene that gives its step asks for none; but it
+    /// misses one where the motion amplifies rounding errors, or the error is that of another motion.
+    bool misses_accuracy() const noexcept { return misses_accuracy(estimate); }
+    /// The same of a later estimate.
+    bool misses_accuracy(const std::optional<ErrorEstimate>& found) const noexcept {
+        constexpr double of_another_motion = 0.05;
+        if (step_set_by_scene) {
+            return found && !(found->error <= (found->amplifies ? advice.accuracy : of_another_motion));
+        }
+        return !(found && found->error <= advice.accuracy);
     }
     /// Whether the estimate says nothing about the end of the run: a small error may grow.
     bool estimate_ends_early() const noexcept {
         return estimate && run_s && estimate->over_s < *run_s - 1 / scene.output.sample_rate_hz;
     }
     /// Whether the accuracy is kept as far as is known, but the run is longer.
-    bool may_miss_accuracy() const noexcept {
-        return !step_set_by_scene && !misses_accuracy() && estimate_ends_early();
-    }
+    bool may_miss_accuracy() const noexcept { return !misses_accuracy() && estimate_ends_early(); }
 };
 
 /// @param run_s how long the run is over which the error is estimated [s]; none: as long as the pilots watch

@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include "core/model/drive.hpp"
+#include "measures/measuring.hpp"
 #include "stream/threads.hpp"
 
 namespace hertzline::stream {
@@ -63,13 +64,10 @@ EstimateWatch::News EstimateWatch::news_of_estimate() {
     seen_ = longer_->seen();
     ++estimates_;
     News news{.estimated_again = true, .warning = {}};
-    const double asked = resolved_.advice.accuracy;
-    if (!resolved_.step_set_by_scene && !warned_ && !(estimate_->error <= asked)) {
+    if (!warned_ && resolved_.misses_accuracy(estimate_)) {
         warned_ = true;
-        news.warning = fmt::format(
-            "the motion has left the range seen at first: the estimated error over the "
-            "first {:.3g} s is {:.2g}, above the requested accuracy of {:g}",
-            estimate_->over_s, estimate_->error, asked);
+        news.warning =
+            "the motion has left the range seen at first: " + measures::missed_by(resolved_, *estimate_);
     }
     return news;
 }

@@ -10,7 +10,9 @@ namespace hertzline::test {
 
 namespace {
 
+using testing::AllOf;
 using testing::HasSubstr;
+using testing::Not;
 
 TEST(Scenes, ListsEveryShippedSceneWithItsDescription) {
     const Outcome text = hertzline({"scenes"});
@@ -97,6 +99,43 @@ TEST(Scenes, LeavesOpenWhatTheProgramChoosesWhereItIsAsked) {
     const Outcome wrong = hertzline({"scenes", "paper-wall", "--unresolved", "--set", "chain.preload_n=-1"});
     EXPECT_EQ(wrong.status, 2);
     EXPECT_THAT(wrong.err, HasSubstr("chain.preload_n: found -1, allowed: a number from 0"));
+}
+
+TEST(Scenes, ThatOfARecordingIsTheOneThatWasAskedFor) {
+    const TemporaryFolder folder;
+    const std::string file = folder.file("r.h5");
+    ASSERT_EQ(hertzline({"run", "paper-wall", "--set", "numerics.accuracy=1e-3", "-o", file}).status, 0);
+    const auto numerics = hertzline({"scenes", file, "--unresolved", "--json"}).json()["numerics"];
+    EXPECT_EQ(numerics["accuracy"], 1e-3);
+    EXPECT_TRUE(numerics["step_s"].is_null() && numerics["integrator"].is_null());
+    const Words changed{"--set", "drive.amplitude_m=10um", "--json"};
+    const auto of_recording = hertzline(with({"check", file}, changed)).json();
+    const auto of_scene =
+        hertzline(with({"check", "paper-wall", "--set", "numerics.accuracy=1e-3"}, changed)).json();
+    EXPECT_EQ(of_recording["step_s"], of_scene["step_s"]) << "steps that were chosen are chosen again";
+    const Outcome wrong = hertzline({"check", file, "--set", "chain.spheres=1", "--set",
+                                     "chain.impact_velocity_m_per_s=0.1", "--set", "chain.impact_spheres=3"});
+    EXPECT_EQ(wrong.status, 2);
+    EXPECT_THAT(wrong.err, Not(HasSubstr("r.h5:"))) << "a line of a text that no file has";
+    const std::string again = folder.file("again.h5");
+    ASSERT_EQ(hertzline({"run", "paper-wall", "--set", "numerics.step_s=3e-7", "-o", again}).status, 0);
+    EXPECT_EQ(hertzline({"check", again, "--json"}).json()["step_s"], 3e-7) << "one that was given is kept";
+}
+
+TEST(Scenes, OneWithItsStepIsStillWarnedOfChaos) {
+    const TemporaryFolder folder;
+    const std::string file = folder.file("my.toml");
+    write_text(file, hertzline({"scenes", "paper-wall"}).out);
+    const Words undamped{file, "--set", "chain.damping_kg_per_s=0"};
+    for (const char* command : {"check", "run"}) {
+        EXPECT_THAT(
+            hertzline(with({command}, undamped)).err,
+            AllOf(HasSubstr("by the step that the scene gives"), HasSubstr("amplifies rounding errors")))
+            << command;
+    }
+    EXPECT_THAT(hertzline({"sweep", file, "--vary", "chain.damping_kg_per_s=0,0.1", "--json"}).out,
+                HasSubstr("\"chaotic\""));
+    EXPECT_THAT(hertzline(with({"run"}, {file})).err, Not(HasSubstr("estimated error")));
 }
 
 }  // namespace

@@ -10,7 +10,7 @@ namespace {
 TEST(Provenance, TellsHowOftenBurstsCome) {
     Scene scene;
     scene.drive.repetition_hz = 250;
-    const auto json = provenance_json({scene, {}, utc_text({}), {}});
+    const auto json = provenance_json({scene, {}, {}, utc_text({}), {}});
     EXPECT_EQ(repetition_of(json), 250);
     EXPECT_FALSE(repetition_of({}));
     EXPECT_FALSE(repetition_of({{"scene", {{"drive", 7}}}}));

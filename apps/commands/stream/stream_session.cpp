@@ -14,8 +14,8 @@
 namespace hertzline::app {
 
 Json provenance_of_stream(const Resolution& resolved, const std::string& run) {
-    return measures::provenance_json(
-        {resolved.scene, resolved.estimate, measures::utc_text(std::chrono::system_clock::now()), run});
+    return measures::provenance_json({resolved.scene, resolved.estimate, resolved.asked,
+                                      measures::utc_text(std::chrono::system_clock::now()), run});
 }
 
 StreamSession::StreamSession(const std::string& name, Resolution resolved, Json about,

@@ -8,6 +8,7 @@
 
 #include "core/model/end.hpp"
 #include "core/model/sphere_row.hpp"
+#include "core/model/validity.hpp"
 #include "hertzline/scene_file.hpp"
 
 namespace hertzline {

@@ -250,6 +250,33 @@ TEST(Promises, AnUndampedChainIsSaidToBeChaotic) {
     EXPECT_TRUE(settled.misses_accuracy());
     EXPECT_TRUE(settled.estimate->amplifies);
     EXPECT_FALSE(resolve(Scene{}).misses_accuracy());
+    const Resolution given = resolve(settled.scene);  // with the step, as a file has it
+    EXPECT_TRUE(given.step_set_by_scene);
+    EXPECT_TRUE(given.misses_accuracy());
+}
+
+TEST(Promises, AGivenStepThatMissesTheMotionIsSaidSo) {
+    Scene scene;
+    scene.numerics.integrator = Integrator::leapfrog;
+    const auto with_error = [&](double least, double most) {
+        for (double step_s = 10e-9; step_s < 1e-6; step_s *= 1.2) {
+            scene.numerics.step_s = step_s;
+            const Resolution settled = resolve(scene);
+            if (settled.faults.empty() && settled.estimate && settled.estimate->error > least &&
+                settled.estimate->error < most) {
+                return settled;
+            }
+        }
+        ADD_FAILURE() << "no step has such an error";
+        return resolve(scene);
+    };
+    EXPECT_FALSE(with_error(2e-4, 1e-2).misses_accuracy()) << "a given step asks for no accuracy";
+    EXPECT_TRUE(with_error(0.06, 1).misses_accuracy());
+    Scene longer = resolve(scene).scene;
+    longer.numerics.step_s = 50e-9;
+    longer.drive.repetition_hz = 1000;
+    longer.output.duration_s = 0.05;
+    EXPECT_TRUE(resolve(longer).may_miss_accuracy()) << "the estimate ends before the run";
 }
 
 TEST(Stability, TheLimitIsWhereALinearChainBlowsUp) {
