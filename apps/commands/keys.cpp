@@ -1,5 +1,6 @@
 // hertzline keys: a key pair for a stream that encrypts, or for its listener.
 
+#include <filesystem>
 #include <memory>
 #include <string>
 
@@ -28,7 +29,8 @@ struct KeysOptions {
 };
 
 Exit keys(const KeysOptions& options) {
-    if (options.name.empty() || options.name.back() == '/') {
+    const std::filesystem::path file = std::filesystem::path(options.name).filename();
+    if (file.empty() || file == "." || file == "..") {
         throw WrongUse("NAME: found " + quoted_briefly(options.name) +
                        ", allowed: the name of two files, without their endings .key and .key_secret");
     }

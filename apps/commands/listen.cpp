@@ -45,7 +45,7 @@ constexpr const char* listen_examples =
 /// The part of a run that is received; all of it where neither is set.
 struct Length {
     std::optional<double> duration_s;  ///< simulated
-    std::optional<std::uint64_t> samples;
+    std::optional<std::int64_t> samples;
 
     std::optional<double> samples_at(double fs) const {
         return duration_s ? std::max(1.0, std::round(*duration_s * fs)) : std::optional<double>(samples);

@@ -117,6 +117,11 @@ void add_publish_options(CLI::App& app, PublishRequest& request) {
                    "memory for the queues of all slow subscribers together, such as 200MiB (default: an "
                    "eighth of the available memory, at most 1GiB)")
         ->transform(CLI::AsSizeValue(/*kb_is_1000=*/false).description(""))
+        ->transform(CLI::Validator(  // runs before the other, which wraps such numbers
+            [](std::string& text) {
+                return text.starts_with('-') ? "found " + text + ", allowed: more than 0" : std::string();
+            },
+            ""))
         ->type_name("BYTES");
     app.add_option(
            "--max-clients", request.max_clients,

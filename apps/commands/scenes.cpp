@@ -76,8 +76,9 @@ std::string annotated_toml(const Resolution& resolved, const SceneRequest& reque
 
 Exit scenes(const ScenesOptions& options) {
     if (options.keys) {
-        if (!options.scene.scene.empty()) {
-            throw WrongUse("--keys: found a SCENE, allowed: none, since all scenes have the same keys");
+        if (!options.scene.scene.empty() || !options.scene.settings.empty()) {
+            throw WrongUse(
+                "--keys: found a SCENE or --set, allowed: neither, since all scenes have the same keys");
         }
         list_keys(options.format);
         return Exit::done;

@@ -21,7 +21,8 @@ using testing::IsEmpty;
 
 struct Mistake {
     const char* name;
-    Words arguments;  // FOLDER stands for a temporary folder, with scene.toml, huge.toml, accent.toml
+    Words
+        arguments;  // FOLDER stands for a temporary folder, with scene.toml, open.key_secret, huge.toml, accent.toml
     int status;
     Words says;
 };
@@ -46,6 +47,7 @@ TEST_P(WrongUse, GivesAClearMessageAndTheRightStatus) {
     const std::string path = std::filesystem::path(folder.file("x")).parent_path();
     write_text(folder.file("scene.toml"), "[chain]\nspheres = 0\n\n[numerics]\nstep_s = 1e-3 # too long\n");
     write_text(folder.file("step.toml"), "# step_s is below\n[numerics]\n\nstep_s = 1e-3\n");
+    write_text(folder.file("open.key_secret"), "curve\n    secret-key = \"?\"\n");
     write_text(folder.file("huge.toml"), std::string(34'000'000, '#'));
     write_text(folder.file("accent.toml"), "caf\xc3\xa9 = 1\n");
     Words arguments;
@@ -187,7 +189,7 @@ const Mistake mistakes[] = {
     {"SameRecordingTwice",
      {"run", "paper-wall", "-o", "FOLDER/a.sigmf-meta", "-o", "FOLDER/./a.sigmf-data"},
      2,
-     {"a.sigmf-data: found a second time"}},
+     {"a.sigmf-data: found files of FOLDER/a.sigmf-meta, allowed: each file once"}},
     {"MoreColumnsThanSigmfHas",
      {"run", "paper-wall", "--all", "-o", "FOLDER/a.sigmf-meta", "--set", "chain.spheres=500"},
      1,
@@ -240,9 +242,9 @@ const Mistake mistakes[] = {
      {"--curve-key: cannot read FOLDER/a.key_secret", "--allow-clients: FOLDER has no certificates",
       "--allow-clients: cannot read FOLDER/b.key"}},
     {"AKeyThatOthersMayRead",
-     {"stream", "paper-wall", "--curve-key", "FOLDER/scene.toml", "--allow-clients", "FOLDER/step.toml"},
+     {"stream", "paper-wall", "--curve-key", "FOLDER/open.key_secret", "--allow-clients", "FOLDER/step.toml"},
      2,
-     {"chmod 600 FOLDER/scene.toml", "FOLDER/step.toml is not a certificate"}},
+     {"chmod 600 FOLDER/open.key_secret", "FOLDER/step.toml is not a certificate"}},
     {"AListenersKeyWithoutTheServers",
      {"listen", "--curve-key", "FOLDER/a.key_secret"},
      2,

@@ -27,6 +27,9 @@ TEST(Keys, AreWrittenOnceAndReadBack) {
     EXPECT_EQ(summary["public_key"], z85(pair->public_key));
     EXPECT_EQ(made.out.find(z85(pair->secret_key)), std::string::npos);
 
+    for (const char* name : {"", ".", "..", "folder/", "folder/."}) {
+        EXPECT_EQ(hertzline({"keys", name}).status, 2) << name;
+    }
     const Outcome again = hertzline({"keys", folder.file("alice")});
     EXPECT_EQ(again.status, 1);
     EXPECT_THAT(again.err, HasSubstr("alice.key_secret: File exists"));

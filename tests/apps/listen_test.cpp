@@ -105,6 +105,17 @@ void expect_account(const Outcome& outcome, int status, const json& expected) {
     }
 }
 
+TEST(Listen, CountsAreOfAtLeastOne) {
+    for (const char* samples : {"0", "-3", "-9223372036854775808"}) {
+        const Outcome outcome = hertzline({"listen", "--samples", samples, "--timeout", "0.1"});
+        EXPECT_EQ(outcome.status, 2) << samples;
+        EXPECT_THAT(outcome.err, HasSubstr("--samples: found")) << samples;
+    }
+    const Outcome memory = hertzline({"stream", "paper-wall", "--queue-memory", "-1"});
+    EXPECT_EQ(memory.status, 2);
+    EXPECT_THAT(memory.err, HasSubstr("--queue-memory: found -1"));
+}
+
 TEST(Listen, JoiningLateIsNoGap) {
     FakeStream stream;
     stream.send(5, 50);

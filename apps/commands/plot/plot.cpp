@@ -92,7 +92,7 @@ std::vector<std::size_t> columns_called(const recordings::RecordingHead& head,
 std::vector<std::string> names_of_columns(const recordings::RecordingHead& head) {
     std::vector<std::string> names;
     for (const recordings::Column& column : head.columns) {
-        if (names.empty() || names.back() != column.quantity) {
+        if (std::ranges::find(names, column.quantity) == names.end()) {
             names.push_back(column.quantity);
         }
     }

@@ -204,7 +204,8 @@ std::optional<Json> changes_file(const std::string& file, Faults& faults) {
     constexpr std::uint64_t largest = 64 << 20;
     try {
         recordings::InputFile input(file);
-        Json json = json_from_outside(input.text(std::min(input.size(), largest), "the changes"));
+        Json json =
+            json_from_outside(input.text(std::min(input.size(), largest), "the changes"), printable(file));
         return json.is_object() && json.contains("changes") ? json["changes"] : json;
     } catch (const std::runtime_error& error) {
         faults.add("--changes", error.what());

@@ -143,6 +143,8 @@ def frames_of(waves, frames):
     """The number of frames: that which is asked for, or some of each period of the drive."""
     count = waves.end - waves.first
     usual = int(np.ceil(FRAMES_A_PERIOD * waves.drive * count / waves.rate)) if waves.drive else USUAL_FRAMES
+    if count < 2:
+        raise WrongUse("--from, --to: found one sample in this window, allowed: two or more, as frames of a movie")
     asked = min(usual, count) if frames is None else frames
     if not 2 <= asked <= min(count, MAX_FRAMES):
         raise WrongUse(f"--frames: found {asked}{'' if frames is not None else f', {FRAMES_A_PERIOD} of each period of the drive'}, allowed: 2 to "

@@ -94,11 +94,6 @@ tl::expected<std::string, std::string> read_text(const fs::path& file, bool secr
         return tl::unexpected{
             fmt::format("{} belongs to another user; a secret key must be your own", file.string())};
     }
-    if (judged && (status.st_mode & others) != 0) {
-        return tl::unexpected{
-            fmt::format("{0}: other users may use this secret key (mode {1:04o}): chmod 600 {0}",
-                        file.string(), status.st_mode & 07777)};
-    }
     std::string text(max_certificate_bytes + 1, '\0');
     std::size_t size = 0;
     while (size < text.size()) {
@@ -117,6 +112,11 @@ tl::expected<std::string, std::string> read_text(const fs::path& file, bool secr
                                           max_certificate_bytes)};
     }
     text.resize(size);
+    if (judged && (status.st_mode & others) != 0 && text.find("secret-key") != std::string::npos) {
+        return tl::unexpected{
+            fmt::format("{0}: other users may use this secret key (mode {1:04o}): chmod 600 {0}",
+                        file.string(), status.st_mode & 07777)};
+    }
     return text;
 }
 

@@ -130,7 +130,6 @@ TEST_F(Certificates, AnotherUsersSecretIsRefused) {
 
 TEST_F(Certificates, APublicFileIsNoPairAndASecretFileIsNotHandedAround) {
     const KeyFiles files = write_key_files(folder_.file("alice"), pair_);
-    std::filesystem::permissions(files.public_file, std::filesystem::perms(0600));
     EXPECT_THAT(fault_of_pair(files.public_file), HasSubstr("NAME.key_secret"));
     EXPECT_THAT(read_public_key(files.secret_file).error(), HasSubstr("holds a secret key"));
 }
