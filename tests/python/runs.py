@@ -1,4 +1,5 @@
 """Runs have the bits of `hertzline run`."""
+import pickle
 import unittest
 
 import numpy as np
@@ -35,6 +36,27 @@ class Runs(InAFolder):
         for tap, column in (("v_face", "v_face_m_per_s"), ("p_axis", "p_axis_pa"), ("v_centre", "v_centre_m_per_s")):
             self.assertEqual(r[tap].tobytes(), table[column].tobytes())
         self.assertEqual((r.unit("p_axis"), r.unit("v_face")), ("Pa", "m/s"))
+
+    def test_those_of_an_array_have_each_element(self):
+        words = ["seven-chains", "--set", "output.duration_s=5e-5"]
+        program("run", *words, "--columns", "v_out,v_last,p_axis,v_centre", "-o", self.folder / "a.npy")
+        table = np.load(self.folder / "a.npy")
+        r = hertzline.scene("seven-chains", output={"duration_s": 5e-5}).run(taps=["v_out", "v_last"], measure=["v_last"])
+        for result in (r, pickle.loads(pickle.dumps(r))):
+            for tap in ("v_out", "v_last", "v_centre"):
+                self.assertEqual(result[tap].shape, (len(table), 7))
+                for element in range(7):
+                    self.assertTrue(np.array_equal(result[tap][:, element], table[f"{tap}_{element + 1}_m_per_s"]))
+            self.assertTrue(np.array_equal(result["p_axis"], table["p_axis_pa"]))
+        r.save(self.folder / "b.npy", taps=["v_out"])
+        self.assertTrue(np.array_equal(np.load(self.folder / "b.npy")["v_out_7_m_per_s"], table["v_out_7_m_per_s"]))
+
+    def test_files_of_a_result_are_its_own(self):
+        r = short_scene().run()
+        for first, second in (("a.csv", "a.csv"), ("a.sigmf-meta", "a.sigmf-data"),
+                              ("a.sigmf-collection", "a-v_last_m_per_s.sigmf-meta")):
+            with self.assertRaisesRegex(ValueError, "allowed: each file once"):
+                r.save(self.folder / first, self.folder / second)
 
     def test_the_summary_is_the_programs(self):
         said = summary("run", *SHORT, "--measure", "v_plate")

@@ -49,16 +49,19 @@ RunRequest checked(const Scene& scene, const std::optional<std::vector<std::stri
 
 /// Returns the bytes of a run and of the samples that it keeps, roughly from above.
 double memory_of(const Scene& scene, const RunRequest& request) {
-    const TapSet taps = measures::taps_of_run(scene, request.taps | request.measured);
-    return measures::memory_of_run(scene, taps, request.measured) +
-           sizeof(double) * measures::rows_of_run(scene) * channels_of(request.taps, channel_counts(scene));
+    const TapSet wanted = request.taps | request.measured;
+    return measures::memory_of_run(scene, measures::taps_of_run(scene, wanted), request.measured) +
+           sizeof(double) * measures::rows_of_run(scene) *
+               channels_of(wanted | Tap::v_out, channel_counts(scene));
 }
 
 /// Runs the scene and takes over its samples and numbers. Needs no GIL.
 /// @throws std::runtime_error when the integration fails
 void simulate(const Resolution& resolved, const RunRequest& request, const std::atomic<bool>& stop,
               RunResult& result) {
-    const TapSet beside = request.taps - (request.measured | Tap::v_out);  // taps that a Run does not keep
+    const TapSet measured = request.measured | Tap::v_out;
+    // taps that a Run does not keep, or of an array's middle element only
+    const TapSet beside = result.counts.elements > 1 ? request.taps | measured : request.taps - measured;
     for (const Tap tap : beside) {
         result.column(tap).reserve(result.rows * channels_of(tap, result.counts));
     }
@@ -81,9 +84,11 @@ void simulate(const Resolution& resolved, const RunRequest& request, const std::
     result.warnings.insert(result.warnings.end(), run.warnings.begin(), run.warnings.end());
     result.summary = measures::summary_json(measures::summary_of(run));
     for (TapRecord& tap : run.taps) {
-        result.column(tap.tap) = std::move(tap.values);
+        if (!beside.contains(tap.tap)) {
+            result.column(tap.tap) = std::move(tap.values);
+        }
     }
-    result.held = beside | request.measured | Tap::v_out;
+    result.held = beside | measured;
 }
 
 std::shared_ptr<RunResult> run(SceneObject& object, const std::optional<std::vector<std::string>>& taps,
@@ -118,7 +123,11 @@ py::array_t<double> samples_of_tap(const std::shared_ptr<RunResult>& result, con
     if (has_channels(tap, result->counts)) {
         shape.push_back(static_cast<py::ssize_t>(channels_of(tap, result->counts)));
     }
-    return view_of(result->column(tap).data(), shape, py::cast(result));
+    const std::vector<double>& column = result->column(tap);
+    if (column.size() != result->rows * channels_of(tap, result->counts)) {
+        throw std::logic_error(name + " is not complete");
+    }
+    return view_of(column.data(), shape, py::cast(result));
 }
 
 /// Returns all of a run for pickle; JSON as text, which keeps every number.
