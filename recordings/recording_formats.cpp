@@ -119,6 +119,21 @@ bool share_files(const fs::path& one, const fs::path& other) {
     return is_same(a, b) || is_same(one, other) || is_member(a, b) || is_member(b, a);
 }
 
+std::vector<std::string> recordings_faults(std::span<const std::string> files) {
+    std::vector<std::string> faults;
+    for (std::size_t i = 0; i < files.size(); ++i) {
+        const auto before = files.first(i);
+        const auto twin = std::ranges::find_if(
+            before, [&](const std::string& other) { return share_files(files[i], other); });
+        if (auto fault = recording_fault(files[i])) {
+            faults.push_back(*std::move(fault));
+        } else if (twin != before.end()) {
+            faults.push_back(files[i] + ": found files of " + *twin + ", allowed: each file once");
+        }
+    }
+    return faults;
+}
+
 double recording_bytes(const fs::path& path, double columns, double samples) noexcept {
     constexpr double time_column = 1;  // in formats that have one
     const Format* format = format_of(path);

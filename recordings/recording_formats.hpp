@@ -4,7 +4,9 @@
 #include <filesystem>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
+#include <vector>
 
 #include "recordings/recording.hpp"
 
@@ -28,6 +30,9 @@ std::filesystem::path recording_name(const std::filesystem::path& path);
 
 /// Whether two recordings have a file in common: they are one, or one is a member of the other, a SigMF collection.
 bool share_files(const std::filesystem::path& one, const std::filesystem::path& other);
+
+/// The faults of names of recordings that are written together: endings, and files in common.
+std::vector<std::string> recordings_faults(std::span<const std::string> files);
 
 /// Returns an upper bound of a recording's bytes, so that a full disk is noticed before the run.
 double recording_bytes(const std::filesystem::path& path, double columns, double samples) noexcept;

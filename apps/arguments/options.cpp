@@ -73,15 +73,8 @@ void check_wav_scale(std::optional<double> scale, std::span<const std::string> f
 }
 
 void check_recordings(std::span<const std::string> files, Faults& faults) {
-    for (std::size_t i = 0; i < files.size(); ++i) {
-        const auto fault = recordings::recording_fault(files[i]);
+    for (const std::string& fault : recordings::recordings_faults(files)) {
         faults.add(fault);
-        const auto before = files.first(i);
-        const auto twin = std::ranges::find_if(
-            before, [&](const std::string& other) { return recordings::share_files(files[i], other); });
-        if (!fault && twin != before.end()) {
-            faults.add(files[i], "found files of " + *twin + ", allowed: each file once");
-        }
     }
 }
 

@@ -151,9 +151,10 @@ class LiveDrive(unittest.TestCase):
             with Driven("--wait-for-subscriber", "--record", f"{folder}/none.csv", samples=300) as driven:
                 driven.to_the_end()
             self.assertEqual(run("none.csv").returncode, 0, "its input is that of nothing")
-            done = subprocess.run([PROGRAM, "stream", "paper-stream", "--drive", "tcp://127.0.0.1:*", "--record", f"{folder}/a.csv", "--record",
-                                   f"{folder}/a.csv-drive.sigmf-meta"], capture_output=True, text=True)
-            self.assertEqual((done.returncode, "another name" in done.stderr), (2, True))
+            for ending in ("meta", "data"):
+                done = subprocess.run([PROGRAM, "stream", "paper-stream", "--drive", "tcp://127.0.0.1:*", "--record", f"{folder}/a.csv",
+                                       "--record", f"{folder}/a.csv-drive.sigmf-{ending}"], capture_output=True, text=True)
+                self.assertEqual((done.returncode, "another name" in done.stderr), (2, True))
 
     def test_what_is_no_samples_is_counted_and_left_out(self):
         with Driven("--wait-for-subscriber") as driven:

@@ -120,6 +120,11 @@ class Scenes(InAFolder):
         for wrong in ({"chain": 5}, {"chain": {"spheres": [object()]}}):
             with self.assertRaisesRegex(TypeError, "allowed: "):
                 hertzline.scene("paper-wall", **wrong)
+        for masked in (np.ma.masked, np.ma.array([1e-3, 2e-3], mask=[0, 1])):
+            with self.assertRaisesRegex(TypeError, "found a masked array"):
+                hertzline.scene("paper-wall", chain={"diameters_m": masked})
+            with self.assertRaisesRegex(TypeError, "found a masked array"):
+                hertzline.sweep(hertzline.scene("paper-wall"), {"chain.preload_n": masked})
         with self.assertRaisesRegex(ValueError, "chain.spheres: found an array, allowed: an integer"):
             hertzline.scene("paper-wall", chain={"spheres": [1, 2]})
         with self.assertRaisesRegex(ValueError, "chain.diameters_m: found .*, allowed: "):

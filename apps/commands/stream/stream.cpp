@@ -123,9 +123,11 @@ void check_live_drive(const StreamOptions& arguments, const Scene& scene, Faults
             "again");
     }
     for (const auto& file : drive_files_of(arguments.recordings)) {
-        if (std::ranges::find(arguments.recordings, file.string()) != arguments.recordings.end()) {
-            faults.add("--record: found " + quoted_briefly(file.string()) +
-                       ", allowed: another name, as the input is saved there");
+        for (const std::string& recording : arguments.recordings) {
+            if (recordings::share_files(recording, file)) {
+                faults.add("--record: found " + quoted_briefly(recording) +
+                           ", allowed: another name, as the input is saved there");
+            }
         }
     }
     if (!arguments.control.endpoint.empty()) {

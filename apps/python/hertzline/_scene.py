@@ -65,8 +65,15 @@ def _settings(sections: Mapping[str, Mapping[str, Any]], prefix: str = "") -> It
 MOST_ENTRIES = 1_000_000
 
 
+def refuse_masked(key: str, value: Any) -> None:
+    """Raises TypeError for a masked array: NumPy would give the values below the mask."""
+    if isinstance(value, np.ma.MaskedArray):
+        raise TypeError(f"{key}: found a masked array, allowed: one without a mask, as its filled() gives it")
+
+
 def plain_value(key: str, value: Any) -> Any:
     """The value without NumPy: a list where it is an array, a tuple or a list."""
+    refuse_masked(key, value)
     if isinstance(value, (list, tuple)) or (isinstance(value, np.ndarray) and value.ndim > 0):
         if len(value) > MOST_ENTRIES:
             raise ValueError(f"{key}: found {len(value)} entries, allowed: at most {MOST_ENTRIES}")

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from . import _native
 from ._plot import draw_table
 from ._samples import names_in
-from ._scene import Scene, scene, with_values
+from ._scene import Scene, refuse_masked, scene, with_values
 
 if TYPE_CHECKING:
     import pandas
@@ -122,6 +122,7 @@ def _scene_of(base: Scene | str) -> Scene:
 
 def _list(key: str, values: Any) -> _native.Values:
     """The values as numbers, integers or words."""
+    refuse_masked(key, values)
     array = np.atleast_1d(np.asarray(values))
     if array.ndim > 1:
         raise TypeError(f"{key}: found an array of {array.ndim} dimensions, allowed: a list of values")

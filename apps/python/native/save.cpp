@@ -72,8 +72,8 @@ void save(const std::shared_ptr<RunResult>& result, const std::vector<std::strin
           const std::optional<std::vector<std::string>>& names, double wav_scale) {
     Faults faults;
     const TapSet taps = names ? measures::taps_named("taps", *names, result->held, faults) : result->asked;
-    for (const std::string& path : paths) {
-        faults.add(recordings::recording_fault(path));
+    for (const std::string& fault : recordings::recordings_faults(paths)) {
+        faults.add(fault);
     }
     faults.add("wav_scale", positive_fault(wav_scale));
     if (taps.empty() && (!names || names->empty())) {
