@@ -1,6 +1,7 @@
 // hertzline run, as its users see it.
 
 #include <csignal>
+#include <tuple>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -253,6 +254,36 @@ TEST(Run, SameSceneSameHashOtherSceneOtherHash) {
     };
     EXPECT_EQ(hash("chain.spheres=6"), hash("drive.cycles=25"));
     EXPECT_NE(hash("chain.spheres=6"), hash("chain.spheres=5"));
+}
+
+TEST(Run, AgainHasTheEstimateOfTheFirstTime) {
+    const TemporaryFolder folder;
+    const std::string file = folder.file("r.h5");
+    const auto estimate = [](const Words& words) {
+        const Outcome outcome = hertzline(with({"run", "--json"}, words));
+        EXPECT_EQ(outcome.status, 0) << outcome.err;
+        const auto summary = outcome.json();
+        return std::tuple(summary["estimated_error"], summary["estimated_over_s"], summary["warnings"]);
+    };
+    const auto expect_the_same = [&](const Words& settings) {
+        const auto first = estimate(with({"paper-wall", "-o", file}, settings));
+        EXPECT_EQ(estimate({file}), first) << testing::PrintToString(settings);
+    };
+    expect_the_same({"--set", "output.duration_s=5e-5", "--set", "numerics.accuracy=1e-3"});
+    expect_the_same({"--set", "output.duration_s=3e-3", "--set", "output.sample_rate_hz=2e6"});
+    expect_the_same({"--set", "output.duration_s=1e-4", "--set", "numerics.step_s=3e-7"});
+    expect_the_same({"--set", "output.duration_s=1e-4", "--set", "numerics.accuracy=1e-14"});
+}
+
+TEST(Run, PutsNothingInThePlaceOfItsChanges) {
+    const TemporaryFolder folder;
+    const std::string file = folder.file("changes.csv");
+    const std::string text = R"([{"sample": 200, "set": {"drive.amplitude_m": 2e-6}}])";
+    write_text(file, text);
+    const Outcome outcome = hertzline({"run", "paper-wall", "--changes", file, "-o", file});
+    EXPECT_EQ(outcome.status, 2);
+    EXPECT_THAT(outcome.err, HasSubstr("found a file that is read here"));
+    EXPECT_EQ(contents(file), text);
 }
 
 TEST(Run, InterruptedRunLeavesNoFile) {

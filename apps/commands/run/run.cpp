@@ -176,7 +176,8 @@ CheckedRun checked(const RunOptions& options) {
             fmt::format("{} needs -o FILE to save to", options.columns.empty() ? "--tap" : "--columns"));
     }
     check_spectra(options.spectra, options.files, faults);
-    const std::vector<std::string> inputs = files_of(options.scene);
+    std::vector<std::string> inputs = files_of(options.scene);
+    inputs.push_back(options.changes);
     check_inputs_stay("-o", options.files, inputs, faults);
     check_inputs_stay("--spectrum", options.spectra, inputs, faults);
     if (!options.picture.empty()) {

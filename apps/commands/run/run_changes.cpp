@@ -158,6 +158,20 @@ std::optional<Scene> recorded_scene(const Json& provenance, const std::string& o
     return faults.value_of(origin, scene_of_json(*found));
 }
 
+/// Resolves a recorded scene, which has integrator and step, with the accuracy that was asked for, where the program chooses the same
+/// ones again. @param run_s how long the run was to last; none: as long as a stream
+Resolution resolved_again(const Scene& scene, const Json& provenance, std::optional<double> run_s) {
+    Json asked = scene_json(scene);
+    asked["numerics"] = OutsideJson(provenance).at("asked_numerics");
+    if (const auto open = scene_of_json(asked); open && !open->numerics.step_s) {
+        Resolution resolved = hertzline::resolve(*open, run_s);
+        if (resolved.faults.empty() && scene_hash(resolved.scene) == scene_hash(scene)) {
+            return resolved;
+        }
+    }
+    return hertzline::resolve(scene, run_s);
+}
+
 /// Adds and prints the warning of epochs that last longer than their errors were estimated over.
 void warn_of_the_unwatched(Session& session, std::int64_t samples) {
     const double rate = session.resolved.scene.output.sample_rate_hz;
@@ -166,7 +180,8 @@ void warn_of_the_unwatched(Session& session, std::int64_t samples) {
     for (std::size_t i = 0; i <= session.steps.size(); ++i) {
         const std::int64_t end = i < session.steps.size() ? session.steps[i].sample : samples;
         const double epoch_s = static_cast<double>(end - begin) / rate;
-        if (estimate && estimate->over_s < epoch_s - 2 / rate) {
+        const bool told = i == 0 && session.resolved.may_miss_accuracy();
+        if (!told && estimate && estimate->over_s < epoch_s - 2 / rate) {
             session.warnings.push_back(fmt::format(
                 "the error from sample {} on is estimated over the first {:.3g} s of {:.3g} s; what it grows "
                 "to is not known",
@@ -277,12 +292,17 @@ std::optional<Session> session_of_recording(const SceneRequest& request, Faults&
         return std::nullopt;
     }
     warn_of_differences(provenance, origin);
-    session.resolved = hertzline::resolve(*scene, std::nullopt);
+    std::int64_t samples = samples_again(last_sample(*reader), provenance, origin);
+    const bool streamed = OutsideJson(provenance).at("run").is_string();  // without an end that was known
+    const std::optional<double> run_s = streamed ? std::nullopt : std::optional(scene->output.duration_s);
+    session.resolved = resolved_again(*scene, provenance, run_s);
     faults.add(origin, session.resolved.faults);
     if (!session.resolved.faults.empty()) {
         return std::nullopt;
     }
-    std::int64_t samples = samples_again(last_sample(*reader), provenance, origin);
+    for (const std::string& text : measures::scene_warnings(session.resolved)) {
+        spdlog::warn("{}: {}", origin, text);
+    }
     if (const Drive& drive = session.resolved.scene.drive; drive.kind == DriveKind::live && drive.file) {
         session.drive = std::make_shared<recordings::RecordedDrive>(
             fs::path(request.scene).parent_path() / *drive.file, session.resolved.scene,
