@@ -306,10 +306,19 @@ tl::expected<Axis, std::vector<Fault>> parse_axis(const Scene& scene, std::strin
     return axis_or_faults(std::move(axis), reader);
 }
 
+std::string setting_of(std::string_view key, std::string_view value) {
+    value = without_blanks(value);
+    return fmt::format("{}={}{}", without_blanks(key),
+                       value.starts_with('.') && !value.starts_with("..") ? "0" : "", value);
+}
+
 std::string first_setting(std::string_view option) {
-    const bool is_path = option.find('/') != std::string_view::npos;  // which may have dots
-    return std::string(
-        option.substr(0, std::min(option.find(','), is_path ? option.size() : option.find(".."))));
+    const std::size_t equals = std::min(option.find('='), option.size());
+    const std::string_view values = option.substr(std::min(equals + 1, option.size()));
+    const bool is_path = values.find('/') != std::string_view::npos;  // which may have dots
+    const std::string_view first =
+        values.substr(0, std::min(values.find(','), is_path ? values.size() : values.find("..")));
+    return setting_of(option.substr(0, equals), first);
 }
 
 tl::expected<Axis, std::vector<Fault>> parse_values(const Scene& scene, SceneKey key, std::string_view text,

@@ -58,6 +58,9 @@ tl::expected<SceneKey, Fault> varied_key(const Scene& scene, std::string_view na
 tl::expected<Axis, std::vector<Fault>> parse_axis(const Scene& scene, std::string_view option,
                                                   Sampling sampling);
 
+/// Returns a value as TOML has it in a setting, "KEY=VALUE": ".5" becomes "0.5".
+std::string setting_of(std::string_view key, std::string_view value);
+
 /// Returns the first value of such an option as a setting, "KEY=FROM" or "KEY=A". The key may be none of the scene.
 std::string first_setting(std::string_view option);
 

@@ -4,8 +4,6 @@
 #include <string>
 #include <utility>
 
-#include <fmt/format.h>
-
 #include "core/scene/text.hpp"
 #include "studies/axis.hpp"
 
@@ -179,7 +177,7 @@ std::vector<std::string> first_settings(std::string_view text) {
     const auto values = rows.next();
     std::vector<std::string> settings;
     for (std::size_t i = 0; i < std::min(keys.size(), values.size()); ++i) {
-        settings.push_back(fmt::format("{}={}", keys[i], values[i]));
+        settings.push_back(setting_of(keys[i], values[i]));
     }
     return settings;
 }

@@ -112,21 +112,32 @@ std::optional<tl::expected<ParsedScene, std::vector<Fault>>> scene_of_recording(
         if (!recorded) {
             return tl::unexpected(recorded.error());
         }
-        auto parsed = parse_scene(to_toml(*recorded), printable(request.scene), request.settings);
+        const std::string origin = printable(request.scene);
+        auto parsed = parse_scene(to_toml(*recorded), origin, request.settings);
         if (auto unread =
                 parsed ? recordings::read_drive(*parsed, [](const std::string&) {}) : std::nullopt) {
             return tl::unexpected(std::vector{*std::move(unread)});
         }
-        if (parsed) {
-            for (auto& [key, place] : parsed->places) {
-                place.line = 0;  // of the text above, which no file has
-            }
+        if (!parsed) {
+            std::vector<Fault> faults = parsed.error();
+            std::ranges::for_each(faults, [&](Fault& each) {
+                each.place.line = each.place.origin == origin ? 0 : each.place.line;
+            });
+            return tl::unexpected(std::move(faults));
         }
+        for (auto& [key, place] : parsed->places) {
+            place.line = 0;  // of the text above, which no file has
+        }
+        const auto epoch = OutsideJson(*provenance).count("epoch").value_or(0);
         const Json& changes = OutsideJson(*provenance).at("changes");
-        if (parsed && changes.is_array() && !changes.empty()) {
-            inform(fmt::format(
-                "{}: the scene is that of its beginning, without its {} changes, which hertzline run repeats",
-                parsed->origin, changes.size()));
+        const auto later = std::ranges::count_if(changes, [&](const Json& change) {
+            return OutsideJson(change).count("epoch").value_or(0) > epoch;
+        });
+        if (later > 0) {
+            inform(
+                fmt::format("{}: the scene is that of its beginning, without its {} changes, which hertzline "
+                            "run repeats",
+                            origin, later));
         }
         return parsed;
     } catch (const std::runtime_error& error) {

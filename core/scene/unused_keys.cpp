@@ -21,26 +21,14 @@ std::string one_of_quoted(std::span<const std::string_view> words) {
     return text;
 }
 
-/// Whether a list has that number or word among its entries.
-bool has_entry(const SceneValue& list, const SceneValue& entry) {
-    const auto is_in = [&]<class T>(const std::vector<T>* entries) {
-        const T* const one = std::get_if<T>(&entry);
-        return entries != nullptr && one != nullptr && std::ranges::find(*entries, *one) != entries->end();
-    };
-    return is_in(std::get_if<std::vector<double>>(&list)) ||
-           is_in(std::get_if<std::vector<std::string>>(&list));
-}
-
-/// Keys that were changed although nothing asks for them. One that a list replaces may be an entry of the list.
+/// Keys that were changed although nothing asks for them.
 void warn_of_unused_keys(const Scene& scene, std::vector<std::string>& warnings) {
     const Scene untouched;
     for (const SceneKey& key : scene_keys()) {
-        const auto value = key.value(scene);
-        const SceneKey* const list = key.replacement(scene);
-        if (key.has_effect(scene) || value == key.value(untouched) ||
-            (list != nullptr && has_entry(*list->value(scene), *value))) {
+        if (key.has_effect(scene) || key.value(scene) == key.value(untouched)) {
             continue;
         }
+        const SceneKey* const list = key.replacement(scene);
         warnings.push_back(key.name + " has no effect " +
                            (key.lacks_array(scene) ? "without array.x_m"
                             : list != nullptr      ? "beside " + list->name

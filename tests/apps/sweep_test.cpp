@@ -289,7 +289,10 @@ TEST(Sweep, ASceneMayLackWhatVaries) {
         return values;
     };
     EXPECT_THAT(alphas({"--vary", "chain.damping_alpha=0.1,0.3"}), ElementsAre(0.1, 0.3));
-    EXPECT_THAT(alphas({"--vary", "chain.damping_alpha=0.1..0.3:2"}), ElementsAre(0.1, 0.3));
+    EXPECT_THAT(alphas({"--vary", "chain.damping_alpha = .1..0.3:2"}), ElementsAre(0.1, 0.3));
+    const Outcome wrong = hertzline(with(lacking, {"--vary", "chain.damping_alpha=-1,0.1", "--json"}));
+    EXPECT_EQ(wrong.status, 2);
+    EXPECT_THAT(wrong.err, HasSubstr("chain.damping_alpha: found -1"));
     write_text(folder.file("p.csv"), "chain.spheres,\"chain.damping_alpha\"\n3,0.1\n5,0.3\n");
     EXPECT_THAT(alphas({"--points", folder.file("p.csv")}), ElementsAre(0.1, 0.3));
     const Outcome still = hertzline(with(lacking, {"--vary", "chain.spheres=3,5", "--json"}));

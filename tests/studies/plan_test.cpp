@@ -69,7 +69,9 @@ TEST(FirstSettings, AreTheFirstValuesAsTheyStand) {
     EXPECT_THAT(of_vary("chain.spheres=3,5"), ElementsAre("chain.spheres=3"));
     EXPECT_THAT(of_vary("chain.preload_n=10mN..1N:log:4"), ElementsAre("chain.preload_n=10mN"));
     EXPECT_THAT(of_vary("drive.file=../a.npy,../b.npy"), ElementsAre("drive.file=../a.npy"));
-    EXPECT_THAT(of_vary(".."), ElementsAre(""));
+    EXPECT_THAT(of_vary("chain.preload_n = .1 .. 1 : 3"), ElementsAre("chain.preload_n=0.1"));
+    EXPECT_THAT(of_vary(".."), ElementsAre("..="));
+    EXPECT_THAT(of_vary(""), ElementsAre("="));
     EXPECT_THAT(first_settings({{},
                                 "\xEF\xBB\xBF"
                                 "a.b, \"c.d\"\n\n1,\"x\"\n2,y\n",

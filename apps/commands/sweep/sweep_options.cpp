@@ -68,17 +68,21 @@ void check_set_keys(const SweepOptions& options, const studies::SweepPlan& plan,
 std::optional<ParsedScene> base_scene(const SweepOptions& options, const studies::PlanRequest& plan,
                                       Faults& faults) {
     auto alone = parsed_scene(options.scene);
-    if (!alone) {
-        SceneRequest completed = options.scene;
-        std::ranges::copy_if(studies::first_settings(plan), std::back_inserter(completed.settings),
-                             [](std::string_view setting) {  // points read their records themselves
-                                 return !setting.starts_with("drive.file=");
-                             });
-        if (auto first = parsed_scene(completed)) {
-            return *std::move(first);
-        }
+    if (alone) {
+        return *std::move(alone);
     }
-    return faults.value_of({}, std::move(alone));
+    std::vector<std::string> first = studies::first_settings(plan);
+    std::erase_if(first, [](std::string_view setting) {  // points read their records themselves
+        return setting.starts_with("drive.file=");
+    });
+    SceneRequest completed = options.scene;
+    completed.settings.insert(completed.settings.end(), first.begin(), first.end());
+    auto with_first = parsed_scene(completed);
+    const bool lacks_these_alone = std::ranges::all_of(alone.error(), [&](const Fault& fault) {
+        return std::ranges::any_of(
+            first, [&](std::string_view setting) { return setting.starts_with(fault.key + '='); });
+    });
+    return faults.value_of({}, with_first || lacks_these_alone ? std::move(with_first) : std::move(alone));
 }
 
 std::optional<studies::SweepPlan> plan_of(const SweepOptions& options, Faults& faults) {
