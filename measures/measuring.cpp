@@ -106,9 +106,11 @@ Warnings scene_warnings(const Resolution& resolved, const Chain& chain) {
         warnings.push_back(*std::move(missed));
     }
     append(warnings, unused_key_warnings(resolved.scene));
-    append(warnings, validity_warnings(element_scene(resolved.scene, 0), chain));
     if (is_array(resolved.scene)) {
+        append(warnings, validity_warnings(element_scene(resolved.scene, 0), chain));
         append(warnings, array_warnings(resolved.scene));
+    } else {
+        append(warnings, validity_warnings(resolved.scene, chain));
     }
     return warnings;
 }

@@ -180,15 +180,12 @@ std::vector<std::string> missing_measures(const SearchJob& job) {
     const Goal& goal = job.request().goal;
     std::vector<std::string> measures{goal.measure};
     std::ranges::transform(goal.constraints, std::back_inserter(measures), &Constraint::measure);
-    std::erase_if(measures, [&](const std::string& measure) {
-        for (std::int64_t point = 0; point < job.evaluations().size(); ++point) {
-            const Json value = point_json(job, point)[measure];
-            if (value.is_number() && std::isfinite(value.get<double>())) {
-                return true;
-            }
-        }
-        return false;
-    });
+    for (std::int64_t point = 0; point < job.evaluations().size() && !measures.empty(); ++point) {
+        const Json values = point_json(job, point);
+        std::erase_if(measures, [&](const std::string& measure) {
+            return values[measure].is_number() && std::isfinite(values[measure].get<double>());
+        });
+    }
     return measures;
 }
 

@@ -89,6 +89,13 @@ std::optional<Json> provenance_of_recording(const std::string& name) {
     return recordings::open_reader(name)->head().provenance;
 }
 
+/// How many live changes a recording has after its first sample.
+std::int64_t changes_after_the_beginning(const Json& provenance) {
+    const auto epoch_of = [](const Json& json) { return OutsideJson(json).count("epoch").value_or(0); };
+    return std::ranges::count_if(OutsideJson(provenance).at("changes"),
+                                 [&](const Json& change) { return epoch_of(change) > epoch_of(provenance); });
+}
+
 /// The scene in a recording of hertzline as it was asked for, with its settings; nothing where the name is no recording's. Steps that
 /// the program chose are chosen again: they suit no other scene. @param inform takes sentences about the recording
 std::optional<tl::expected<ParsedScene, std::vector<Fault>>> scene_of_recording(
@@ -128,16 +135,11 @@ std::optional<tl::expected<ParsedScene, std::vector<Fault>>> scene_of_recording(
         for (auto& [key, place] : parsed->places) {
             place.line = 0;  // of the text above, which no file has
         }
-        const auto epoch = OutsideJson(*provenance).count("epoch").value_or(0);
-        const Json& changes = OutsideJson(*provenance).at("changes");
-        const auto later = std::ranges::count_if(changes, [&](const Json& change) {
-            return OutsideJson(change).count("epoch").value_or(0) > epoch;
-        });
-        if (later > 0) {
+        if (const auto changes = changes_after_the_beginning(*provenance); changes > 0) {
             inform(
                 fmt::format("{}: the scene is that of its beginning, without its {} changes, which hertzline "
                             "run repeats",
-                            origin, later));
+                            origin, changes));
         }
         return parsed;
     } catch (const std::runtime_error& error) {

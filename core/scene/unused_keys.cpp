@@ -25,7 +25,7 @@ std::string one_of_quoted(std::span<const std::string_view> words) {
 void warn_of_unused_keys(const Scene& scene, std::vector<std::string>& warnings) {
     const Scene untouched;
     for (const SceneKey& key : scene_keys()) {
-        if (key.has_effect(scene) || key.value(scene) == key.value(untouched)) {
+        if (key.value(scene) == key.value(untouched) || key.has_effect(scene)) {
             continue;
         }
         const SceneKey* const list = key.replacement(scene);

@@ -108,7 +108,7 @@ def draw_panel(wave, lines, panel, colours, unit_s, highest, drive, many):
         draw_record(wave, recording, column, unit_s, scale)
         mark_epochs(wave, recording, unit_s, colour if many else "#555555")
         before = f"{recording.name}: ".replace("$", r"\$") if many else ""
-        peaks.append(f"{before}peak {largest_of(recording, column) + 0:.3g}")
+        peaks.append(f"{before}peak {largest_of(recording, column) + 0:.3g}")  # + 0: silence has no sign
         part = recording.parts[column]
         bands.append(before + draw_spectrum(lines, part, recording.rate, recording.drive or drive, highest, colour))
         length = len(part) / recording.rate

@@ -35,7 +35,8 @@ def scene(source: Path | Scene = "paper-vitreous-carbon", /, **sections: Mapping
         hertzline.scene("paper-vitreous-carbon", end={"thickness_m": 0.4e-3}, drive={"cycles": 10})
         hertzline.scene("mine.toml", materials={"clay": {"density_kg_per_m3": 1900.0}}, end={"material": "clay"})
 
-    scenes/README.md has every section and key, with units. None takes the value of a file back. Raises ValueError with every fault of the scene.
+    scenes/README.md has every section and key, with units. None takes the value of a file back. Raises ValueError with every
+    fault of the scene.
     """
     settings = list(_settings(sections))
     if isinstance(source, Scene):
