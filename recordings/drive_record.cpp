@@ -231,8 +231,11 @@ std::optional<Fault> read_drive(ParsedScene& parsed, const std::function<void(co
         return parsed.placed(
             Fault{"drive.file", quoted_briefly(*drive.file) + " beside drive.samples", "one of them"});
     }
+    const auto warn_of_record = [&](const std::string& text) {
+        warn(fmt::format("{}{}drive.file: {}", parsed.origin, parsed.origin.empty() ? "" : ": ", text));
+    };
     try {
-        auto fault = read(parsed, *record_of(parsed), warn);
+        auto fault = read(parsed, *record_of(parsed), warn_of_record);
         if (!fault && record) {
             take_line(parsed);
         }
@@ -241,18 +244,6 @@ std::optional<Fault> read_drive(ParsedScene& parsed, const std::function<void(co
         constexpr std::size_t longest = 500;
         return parsed.placed(Fault{"drive.file", printable(error.what(), longest), ""});
     }
-}
-
-tl::expected<ParsedScene, std::vector<Fault>> parse_scene_with_drive(
-    const std::string& name, std::span<const std::string> settings,
-    const std::function<void(const std::string&)>& warn) {
-    auto parsed = parse_scene_file(name, settings);
-    if (parsed) {
-        if (auto fault = read_drive(*parsed, warn)) {
-            return tl::unexpected(std::vector{*std::move(fault)});
-        }
-    }
-    return parsed;
 }
 
 }  // namespace hertzline::recordings

@@ -216,7 +216,7 @@ bool PointRunner::try_run(const Scene& scene, PointResult& result) {
         }
         std::string said;
         const auto warn = [&said](const std::string& warning) {
-            said += (said.empty() ? "drive.file: " : "; drive.file: ") + warning;
+            said += (said.empty() ? "" : "; ") + warning;
         };
         if (const auto fault = recordings::read_drive(with_record, warn)) {
             result.status = PointStatus::refused;

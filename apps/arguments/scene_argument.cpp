@@ -4,7 +4,6 @@
 #include <chrono>
 #include <condition_variable>
 #include <filesystem>
-#include <functional>
 #include <mutex>
 #include <optional>
 #include <stdexcept>
@@ -19,7 +18,6 @@
 #include "apps/arguments/options.hpp"
 #include "apps/command.hpp"
 #include "core/model/drive.hpp"
-#include "core/scene/scene_json.hpp"
 #include "core/scene/text.hpp"
 #include "core/scene/toml_entries.hpp"
 #include "hertzline/scene_file.hpp"
@@ -27,6 +25,7 @@
 #include "measures/measuring.hpp"
 #include "measures/resources.hpp"
 #include "recordings/drive_record.hpp"
+#include "recordings/named_scene.hpp"
 #include "recordings/recording_formats.hpp"
 
 namespace hertzline::app {
@@ -79,74 +78,6 @@ private:
     std::jthread thread_;  // last: it uses the others
 };
 
-/// The provenance of a recording; nothing where the name is no recording's. @throws std::runtime_error when it cannot be read
-std::optional<Json> provenance_of_recording(const std::string& name) {
-    std::error_code unknown;
-    if (!std::filesystem::is_regular_file(name, unknown) ||
-        recordings::recording_fault(name, recordings::Access::reading)) {
-        return std::nullopt;
-    }
-    return recordings::open_reader(name)->head().provenance;
-}
-
-/// How many live changes a recording has after its first sample.
-std::int64_t changes_after_the_beginning(const Json& provenance) {
-    const auto epoch_of = [](const Json& json) { return OutsideJson(json).count("epoch").value_or(0); };
-    return std::ranges::count_if(OutsideJson(provenance).at("changes"),
-                                 [&](const Json& change) { return epoch_of(change) > epoch_of(provenance); });
-}
-
-/// The scene in a recording of hertzline as it was asked for, with its settings; nothing where the name is no recording's. Steps that
-/// the program chose are chosen again: they suit no other scene. @param inform takes sentences about the recording
-std::optional<tl::expected<ParsedScene, std::vector<Fault>>> scene_of_recording(
-    const SceneRequest& request, const std::function<void(const std::string&)>& inform) {
-    const auto fault = [&](const std::string& found, const std::string& allowed) {
-        return tl::unexpected(std::vector{Fault{"", found, allowed, {printable(request.scene)}}});
-    };
-    try {
-        const std::optional<Json> provenance = provenance_of_recording(request.scene);
-        if (!provenance) {
-            return std::nullopt;
-        }
-        Json scene = OutsideJson(*provenance).at("scene");
-        if (!scene.is_object()) {
-            return fault("no scene in this recording", "scenes, and recordings of hertzline");
-        }
-        if (const Json& asked = OutsideJson(*provenance).at("asked_numerics"); asked.is_object()) {
-            scene["numerics"] = asked;
-        }
-        const auto recorded = scene_of_json(scene);
-        if (!recorded) {
-            return tl::unexpected(recorded.error());
-        }
-        const std::string origin = printable(request.scene);
-        auto parsed = parse_scene(to_toml(*recorded), origin, request.settings);
-        if (auto unread =
-                parsed ? recordings::read_drive(*parsed, [](const std::string&) {}) : std::nullopt) {
-            return tl::unexpected(std::vector{*std::move(unread)});
-        }
-        if (!parsed) {
-            std::vector<Fault> faults = parsed.error();
-            std::ranges::for_each(faults, [&](Fault& each) {
-                each.place.line = each.place.origin == origin ? 0 : each.place.line;
-            });
-            return tl::unexpected(std::move(faults));
-        }
-        for (auto& [key, place] : parsed->places) {
-            place.line = 0;  // of the text above, which no file has
-        }
-        if (const auto changes = changes_after_the_beginning(*provenance); changes > 0) {
-            inform(
-                fmt::format("{}: the scene is that of its beginning, without its {} changes, which hertzline "
-                            "run repeats",
-                            origin, changes));
-        }
-        return parsed;
-    } catch (const std::runtime_error& error) {
-        return fault(error.what(), "");
-    }
-}
-
 }  // namespace
 
 std::vector<std::string> files_of(const SceneRequest& request) {
@@ -158,7 +89,7 @@ std::vector<std::string> files_of(const SceneRequest& request) {
         }
     }
     try {
-        if (const std::optional<Json> provenance = provenance_of_recording(request.scene)) {
+        if (const std::optional<Json> provenance = recordings::provenance_of(request.scene)) {
             if (const std::string drive = OutsideJson(*provenance).text("scene/drive/file"); !drive.empty()) {
                 files.push_back((std::filesystem::path(request.scene).parent_path() / drive).string());
             }
@@ -193,13 +124,8 @@ std::size_t usable_threads() {
 }
 
 tl::expected<ParsedScene, std::vector<Fault>> parsed_scene(const SceneRequest& request) {
-    if (auto recorded =
-            scene_of_recording(request, [](const std::string& text) { spdlog::info("{}", text); })) {
-        return *std::move(recorded);
-    }
-    return recordings::parse_scene_with_drive(
-        request.scene, request.settings,
-        [&](const std::string& warning) { spdlog::warn("{}: drive.file: {}", request.scene, warning); });
+    return recordings::parse_named_scene(request.scene, request.settings,
+                                         [](const std::string& warning) { spdlog::warn("{}", warning); });
 }
 
 tl::expected<Resolution, std::vector<Fault>> resolved_scene(const SceneRequest& request, Lasting lasting) {

@@ -133,6 +133,12 @@ Resolution::operator ResolvedScene() const {
     return scene;
 }
 
+Scene Resolution::requested() const {
+    Scene requested = scene;
+    requested.numerics = asked;
+    return requested;
+}
+
 IntegratorChoice integrator_choice(const Scene& scene) noexcept {
     if (scene.numerics.integrator) {
         return {*scene.numerics.integrator, IntegratorReason::set_by_scene};

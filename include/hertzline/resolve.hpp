@@ -76,6 +76,8 @@ struct Resolution {
     double steps_per_burst = 0;   ///< to be expected: steps, or pieces of a series
     std::vector<Fault> faults;    ///< of the values, the step, the plate or the rest tolerance
 
+    /// The scene with the numerics as it gave them.
+    Scene requested() const;
     /// Whether the accuracy asked for, or the default, is missed by the estimate. A scene that gives its step asks for none; but it
     /// misses one where the motion amplifies rounding errors, or the error is that of another motion.
     bool misses_accuracy() const noexcept { return misses_accuracy(estimate); }

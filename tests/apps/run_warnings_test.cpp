@@ -1,12 +1,16 @@
 // Warnings of hertzline run, check and stream.
 
+#include <cmath>
 #include <string>
 #include <vector>
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "tests/apps/program.hpp"
+#include "tests/support/files.hpp"
+#include "tests/support/temporary_folder.hpp"
 
 namespace hertzline::test {
 namespace {
@@ -49,6 +53,26 @@ TEST(Run, CheckAndStreamWarnOnceOfASceneBeyondTheModel) {
         EXPECT_NE(first, std::string::npos) << words[0];
         EXPECT_EQ(err.find("were millimetres meant?", first + 1), std::string::npos) << words[0];
         EXPECT_THAT(err, HasSubstr("no thin plate"));
+    }
+}
+
+TEST(Run, AndStreamReadTheRecordOfTheDriveOnce) {
+    const TemporaryFolder folder;
+    std::string record = "t_s,x_um\n";
+    for (int i = 0; i < 100; ++i) {
+        record += fmt::format("{:.1e},{:.3f}\n", 1e-6 * i, std::sin(0.5 * i));
+    }
+    write_text(folder.file("horn.csv"), record);
+    write_text(folder.file("device.toml"), "[drive]\nkind = 'file'\nfile = 'horn.csv'\nscale = 2e-6\n");
+    write_text(folder.file("changes.json"), R"([{"sample": 50, "set": {"chain.preload_n": 0.2}}])");
+    const std::string told = folder.file("device.toml") + ": drive.file: x_um is in um; drive.scale";
+    for (const Words& words : {Words{"check"}, Words{"run", "--changes", folder.file("changes.json")},
+                               Words{"stream", "--control", "tcp://127.0.0.1:*", "--duration", "1e-4"}}) {
+        const Outcome outcome = hertzline(with(words, {folder.file("device.toml")}));
+        ASSERT_EQ(outcome.status, 0) << outcome.err;
+        const std::size_t first = outcome.err.find(told);
+        ASSERT_NE(first, std::string::npos) << outcome.err;
+        EXPECT_EQ(outcome.err.find(told, first + 1), std::string::npos) << outcome.err;
     }
 }
 

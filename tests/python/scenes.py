@@ -66,6 +66,18 @@ class Scenes(InAFolder):
         self.assertLess(np.abs(again["x_horn"] - x[:1001]).max(), 1e-13)
         self.assertLess(np.linalg.norm(again["v_last"] - v["v_last"]), 1e-6 * np.linalg.norm(v["v_last"]))
 
+    def test_a_recording_has_the_scene_that_was_asked_for(self):
+        scene = hertzline.scene(short_scene(), numerics={"accuracy": 1e-3})
+        file = self.folder / "r.h5"
+        scene.run().save(file)
+        self.assertEqual(hertzline.scene(file), scene)
+        self.assertEqual(hertzline.scene(file, drive={"cycles": 4}), hertzline.scene(scene, drive={"cycles": 4}))
+        with self.assertRaisesRegex(ValueError, "drive.cycles: found -1, allowed: "):
+            hertzline.scene(file, drive={"cycles": -1})
+        np.save(self.folder / "other.npy", np.zeros(20))
+        with self.assertRaisesRegex(ValueError, "other.npy: found no scene in this recording, allowed: scenes, and recordings of hertzline"):
+            hertzline.scene(self.folder / "other.npy")
+
     def test_an_entry_of_a_list_varies(self):
         scene = hertzline.scene(short_scene(), end={"kind": "plate", "materials": ["aluminium", "acrylic"], "thicknesses_m": [2e-4, 5e-4]})
         table = hertzline.sweep(scene, {"end.thicknesses_m[2]": [4e-4, 5e-4], "end.materials[1]": ["steel", "aluminium"]})

@@ -1,4 +1,4 @@
-#include "recordings/drive_record.hpp"
+#include "recordings/named_scene.hpp"
 
 #include <cmath>
 #include <filesystem>
@@ -37,8 +37,8 @@ protected:
                                                          const std::string& keys = "") {
         test::write_text(folder_.file("scene.toml"),
                          fmt::format("[drive]\nkind = \"file\"\nfile = \"{}\"\n{}", file, keys));
-        return parse_scene_with_drive(folder_.file("scene.toml"), {},
-                                      [this](const std::string& warning) { warnings_.push_back(warning); });
+        return parse_named_scene(folder_.file("scene.toml"), {},
+                                 [this](const std::string& warning) { warnings_.push_back(warning); });
     }
     Drive drive(const std::string& file, const std::string& keys = "") {
         const auto scene = parsed(file, keys);
@@ -147,8 +147,7 @@ TEST_F(DriveRecord, TheStrongestLineIsTakenUnlessItIsGivenWithTheRecord) {
     }
     const auto line = [&](const std::string& text, const std::vector<std::string>& settings) {
         test::write_text(folder_.file("scene.toml"), text);
-        const auto scene =
-            parse_scene_with_drive(folder_.file("scene.toml"), settings, [](const std::string&) {});
+        const auto scene = parse_named_scene(folder_.file("scene.toml"), settings, [](const std::string&) {});
         EXPECT_TRUE(scene) << (scene ? "" : fault_text(scene.error()));
         return scene ? scene->scene.drive.frequency_hz : 0;
     };
@@ -267,9 +266,9 @@ TEST_F(DriveRecord, AnOptionNamesAFileOfTheCurrentFolder) {
     write("r.csv", {"x_tip_m"});
     test::write_text(folder_.file("scene.toml"), "");
     const auto read = [&](const std::string& file) {
-        return parse_scene_with_drive(folder_.file("scene.toml"),
-                                      std::vector<std::string>{"drive.kind=file", "drive.file=" + file},
-                                      [](const std::string&) {});
+        return parse_named_scene(folder_.file("scene.toml"),
+                                 std::vector<std::string>{"drive.kind=file", "drive.file=" + file},
+                                 [](const std::string&) {});
     };
     EXPECT_TRUE(read(folder_.file("r.csv")));
     const auto elsewhere = read("r.csv");

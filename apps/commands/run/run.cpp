@@ -28,6 +28,7 @@
 #include "measures/tap_names.hpp"
 #include "recordings/columns.hpp"
 #include "recordings/formats/table.hpp"
+#include "recordings/named_scene.hpp"
 #include "recordings/recording_formats.hpp"
 #include "stream/pipeline/pacer.hpp"
 
@@ -150,7 +151,7 @@ void print_run(const hertzline::Run& run, const Session& session, Format format)
 
 /// Returns the session that SCENE names, a scene or a recording, or adds its faults.
 std::optional<Session> session_of(const RunOptions& options, Faults& faults) {
-    if (!is_recording(options.scene.scene)) {
+    if (!recordings::is_recording(options.scene.scene)) {
         return session_of_scene(options.scene, options.changes, faults);
     }
     if (!options.changes.empty()) {

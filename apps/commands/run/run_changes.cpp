@@ -254,13 +254,6 @@ void warn_of_differences(const Json& provenance, const std::string& origin) {
 
 }  // namespace
 
-bool is_recording(const std::string& scene) {
-    std::error_code error;
-    return !recordings::recording_ending(scene).empty() &&
-           !recordings::recording_fault(scene, recordings::Access::reading) &&
-           fs::is_regular_file(scene, error);
-}
-
 std::optional<Session> session_of_recording(const SceneRequest& request, Faults& faults) {
     const std::string origin = printable(request.scene);
     if (!request.settings.empty()) {
@@ -352,7 +345,8 @@ std::optional<Session> session_of_scene(const SceneRequest& request, const std::
                                session.changes.back().sample, samples - 1));
         return std::nullopt;
     }
-    auto whole = with_steps(std::move(session), parsed_scene(request).value().scene, samples, origin, faults);
+    const Scene requested = session.resolved.requested();
+    auto whole = with_steps(std::move(session), requested, samples, origin, faults);
     if (whole) {
         for (const std::string& text : whole->warnings) {
             spdlog::warn(text);

@@ -24,9 +24,6 @@ struct Session {
     std::shared_ptr<recordings::RecordedDrive> drive = nullptr;  ///< the samples of a live drive
 };
 
-/// Whether SCENE names a recording: an ending of one, and a file that is there.
-bool is_recording(const std::string& scene);
-
 /// Reads the session of a recording, from sample 0 to its last one, or adds the faults.
 std::optional<Session> session_of_recording(const SceneRequest& request, Faults& faults);
 

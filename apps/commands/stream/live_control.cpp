@@ -60,9 +60,10 @@ std::optional<stream::CurveServer> checked_control(const ControlRequest& request
 }
 
 LiveControl::LiveControl(const ControlRequest& request, const std::optional<stream::CurveServer>& curve,
-                         const Scene& requested, const Resolution& resolved, stream::SimulationSource& source,
+                         const Resolution& resolved, stream::SimulationSource& source,
                          std::optional<std::int64_t> samples)
-    : control_(requested, resolved.scene, source, samples, stream::expected_real_time_factor(resolved)),
+    : control_(resolved.requested(), resolved.scene, source, samples,
+               stream::expected_real_time_factor(resolved)),
       server_(request.endpoint, curve, control_) {}
 
 std::vector<stream::EpochOfChange> LiveControl::begin(const Epoch& epoch) {

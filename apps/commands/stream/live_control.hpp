@@ -31,10 +31,10 @@ std::optional<stream::CurveServer> checked_control(const ControlRequest& request
 /// The changes of a stream that is controlled. All but the constructor is for the sending thread.
 class LiveControl {
 public:
-    /// @param requested the scene as the user gave it @param resolved the scene that the source began with
+    /// @param resolved the scene that the source began with
     /// @param samples of the stream; unset: it has no end @throws std::runtime_error when the endpoint cannot be bound
     LiveControl(const ControlRequest& request, const std::optional<stream::CurveServer>& curve,
-                const Scene& requested, const Resolution& resolved, stream::SimulationSource& source,
+                const Resolution& resolved, stream::SimulationSource& source,
                 std::optional<std::int64_t> samples);
 
     const std::string& endpoint() const noexcept { return server_.endpoint(); }

@@ -203,7 +203,6 @@ std::unique_ptr<LiveControl> control_of(const StreamOptions& arguments, const Ch
         return nullptr;
     }
     auto control = std::make_unique<LiveControl>(arguments.control, checked.control_curve,
-                                                 parsed_scene(arguments.scene).value().scene,
                                                  checked.resolved, source, samples);
     spdlog::info("control {}", control->endpoint());
     return control;

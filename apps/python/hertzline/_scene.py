@@ -30,7 +30,8 @@ def materials() -> dict[str, dict[str, Any]]:
 
 
 def scene(source: Path | Scene = "paper-vitreous-carbon", /, **sections: Mapping[str, Any]) -> Scene:
-    """A scene: a file, a shipped scene's name (if both exist, the file is taken), or another scene, with keys changed.
+    """A scene: a file, a shipped scene's name (if both exist, the file is taken), that of a recording, or another scene, with keys
+    changed.
 
         hertzline.scene("paper-vitreous-carbon", end={"thickness_m": 0.4e-3}, drive={"cycles": 10})
         hertzline.scene("mine.toml", materials={"clay": {"density_kg_per_m3": 1900.0}}, end={"material": "clay"})

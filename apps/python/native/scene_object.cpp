@@ -19,18 +19,19 @@
 #include "measures/measuring.hpp"
 #include "measures/scene_report.hpp"
 #include "recordings/drive_record.hpp"
+#include "recordings/named_scene.hpp"
 
 namespace hertzline::python {
 
 namespace {
 
-/// Reads a scene and, where it names one, the record of its drive. @param parse_with takes a function for warnings about the record
+/// Reads a scene and, where it names one, the record of its drive. @param parse_with takes a function for warnings
 template <class Parse>
-std::shared_ptr<SceneObject> object_of(const std::string& name, const Parse& parse_with) {
+std::shared_ptr<SceneObject> object_of(const Parse& parse_with) {
     std::vector<std::string> warnings;
     auto parsed = parse_with([&](const std::string& warning) { warnings.push_back(warning); });
     for (const std::string& warning : warnings) {
-        if (PyErr_WarnEx(PyExc_UserWarning, (printable(name) + ": drive.file: " + warning).c_str(), 2) != 0) {
+        if (PyErr_WarnEx(PyExc_UserWarning, warning.c_str(), 2) != 0) {
             throw py::error_already_set();
         }
     }
@@ -47,7 +48,7 @@ std::shared_ptr<SceneObject> parse(const std::string& text, const std::string& o
     const auto sets = [&](std::string_view key) {
         return std::ranges::any_of(settings, [&](const std::string& one) { return one.starts_with(key); });
     };
-    return object_of(origin, [&](const auto& warn) -> Parsed {
+    return object_of([&](const auto& warn) -> Parsed {
         Parsed parsed = parse_scene(text, printable(origin), settings);
         if (!parsed || (!sets("drive.samples=") && !sets("drive.file="))) {
             return parsed;
@@ -63,8 +64,7 @@ std::shared_ptr<SceneObject> parse(const std::string& text, const std::string& o
 }
 
 std::shared_ptr<SceneObject> read(const std::string& name, const std::vector<std::string>& settings) {
-    return object_of(
-        name, [&](const auto& warn) { return recordings::parse_scene_with_drive(name, settings, warn); });
+    return object_of([&](const auto& warn) { return recordings::parse_named_scene(name, settings, warn); });
 }
 
 py::object check(SceneObject& object) {
