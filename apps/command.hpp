@@ -41,7 +41,7 @@ using AddCommand = Run(CLI::App& app);
     ROW(set, "change keys of a scene while it is streamed")                           \
     ROW(get, "look at the scene of a running stream")                                 \
     ROW(scope, "show a stream in a browser")                                          \
-    ROW(plot, "draw waveforms and spectra of a recording")                            \
+    ROW(plot, "draw recordings, sweeps, searches and fields")                         \
     ROW(scenes, "list the shipped scenes, or print one with every default resolved")  \
     ROW(materials, "list the built-in materials, their numbers and sources")          \
     ROW(check, "validate a scene; print derived values and advice on its step")       \

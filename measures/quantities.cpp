@@ -208,7 +208,7 @@ const std::array table{
              "the same of the preload alone",
              [](R run) { return Json(run.static_pressure_pa); }},
     Quantity{G::contacts, "peak_strength_ratio", "", K::number, C::among,
-             "largest ratio of a contact's pressure to the strength of its weaker material (below); above 1 the model is too elastic, and "
+             "largest ratio of a contact's pressure to the strength of its weaker material (`hertzline materials`); above 1 the model is too elastic, and "
              "`run` warns; null where no strength is known",
              [](R run) { return or_null(run.strength_ratio); }},
     Quantity{G::contacts, "peak_overlap_ratio", "", K::number, C::among,
@@ -225,7 +225,7 @@ const std::array table{
     Quantity{G::trust, "estimated_error", "", K::number, C::first,
              "relative L2 error of the worst of `v_last` and the plate's outputs (`v_plate`, `v_out`; of a modal plate `v_centre`, `v_face`, "
              "`p_axis`, `p_points`, and the error of its fit), from a pilot run with the step in use "
-             "([core](../core/README.md#ask-for-an-accuracy-not-a-step)); good: at most `numerics.accuracy`, else there is a warning, "
+             "([choice of the step](../core/README.md#ask-for-an-accuracy-not-a-step)); good: at most `numerics.accuracy`, else there is a warning, "
              "unless the scene gives its step: it asks for no accuracy, and is warned of above 0.05, or above 1e-4 where the motion amplifies "
              "rounding errors; null when the step is too short for a pilot run of about a second",
              [](R run) { return run.resolved.estimate ? Json(run.resolved.estimate->error) : Json(nullptr); }},

@@ -174,10 +174,11 @@ std::vector<std::string> switching_warnings(std::span<const double> switching_db
         return {};
     }
     const bool several = lines.size() > 1;
-    return {fmt::format(
-        "harmonic{} {} of v_out {} by half or more the jumps of its formula when the last contact opens or "
-        "closes, not a motion (switching_db)",
-        several ? "s" : "", fmt::join(lines, ", "), several ? "are" : "is")};
+    return {
+        fmt::format("harmonic{} {} of v_out come{} by half or more from the jumps of its formula when the "
+                    "last contact opens or "
+                    "closes, not from a motion (switching_db)",
+                    several ? "s" : "", fmt::join(lines, ", "), several ? "" : "s")};
 }
 
 }  // namespace hertzline::measures

@@ -2,7 +2,7 @@
 # Debian packages of the last commit.
 #   package.sh [FOLDER]                 builds them in an exported tree, into FOLDER (build/packages), and checks them by lintian
 #   package.sh --reproducible [FOLDER]  builds them again elsewhere, in another time zone and language, and compares them byte by byte
-#   package.sh --archive [FOLDER]       makes a tar.gz of the program in FOLDER with its libraries, which runs wherever it is unpacked
+#   package.sh --archive [FOLDER]       makes a tar.gz of the program in FOLDER with its libraries, for an x86-64 Linux with glibc 2.36 or newer
 #   package.sh --try [FOLDER]           tries what is in FOLDER in fresh systems, which it downloads, as root: the archive in Debian 12 and
 #                                       13; the packages in Debian 12: installation, debian/tests, upgrade, purge
 # Needs what debian/control builds with (apt build-dep .) and lintian; for the modes locales, patchelf or debootstrap.

@@ -228,7 +228,7 @@ def strikers(program):
     v, _ = program.run(struck(14, 1.2e-3, chain={"taper": tapered}), "v_chain")
     hard = 2 / (1 + (1 - tapered) ** 3)
     ours = (crest(v[:, 10])[0] / crest(v[:, 4])[0]) ** (1 / 6)
-    rows.append(row("tapered by 5 %: velocity from sphere to sphere; hard spheres have", "binary collisions, U. Harbola et al., PRE 80 (2009) 031303",
+    rows.append(row("tapered by 5 %: velocity of a sphere over the one before; published: hard spheres", "binary collisions, U. Harbola et al., PRE 80 (2009) 031303",
                     hard, ours, 0.01, 4))
     return rows
 

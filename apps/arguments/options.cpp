@@ -59,7 +59,8 @@ void add_target_option(CLI::App& app) {
                        quoted_briefly(name), there));
                }
            },
-           "compute with these instructions, as other machines do (default: the widest)")
+           "SIMD instruction set, as AVX2, for the same bits on all machines that have it (default: the "
+           "widest here)")
         ->type_name("TARGET");
 }
 

@@ -172,7 +172,7 @@ Run set_command(CLI::App& app) {
     app.add_option("KEY=VALUE", arguments->words, "keys of the scene and their new values")->type_name("");
     app.add_flag("--undo", arguments->undo, "take the last change back instead");
     app.add_flag("--force", arguments->force,
-                 "change it even if the stream would then as good as stand (a real-time factor below 0.01)");
+                 "change it even if the stream would then all but stop (a real-time factor below 0.01)");
     add_connection_options(app, *arguments);
     app.footer(set_examples);
     return [arguments] { return set(*arguments); };

@@ -12,7 +12,7 @@ function result = hertzline_run(scene, varargin)
 %     'band_from_hz'  bands are looked for from here upward [Hz]; by default half the drive's frequency
 %     'save'          files for the samples; their endings choose the formats, as {'x.h5', 'x.sigmf-meta'}
 %
-%   The result r has double columns, with the bits of the program:
+%   The result r has double columns, equal to the program's bit for bit:
 %     t_s                      time since the start [s], [sample x 1]
 %     v_out_m_per_s, ...       an output and its unit: [sample x 1]; of a chain (v_chain, x_chain, f_chain) and of an array
 %                              [sample x sphere], [sample x contact] or [sample x element]

@@ -186,7 +186,7 @@ std::optional<std::string> strength_warning(const JudgedContacts& contacts) {
         return std::nullopt;
     }
     return "contacts press harder than their materials bear: " + beyond +
-           "; the model takes them for elastic";
+           "; the model treats them as elastic";
 }
 
 }  // namespace hertzline

@@ -117,7 +117,7 @@ void check_modal_plate(const Scene& scene, std::vector<Fault>& faults) {
     }
 }
 
-/// A horn that gives way needs an integrator that knows it.
+/// A resonant horn needs an integrator that knows it.
 void check_horn(const Scene& scene, std::vector<Fault>& faults) {
     if (scene.drive.kind != DriveKind::none && scene.drive.horn == HornModel::resonator &&
         scene.numerics.integrator && !is_series(*scene.numerics.integrator)) {

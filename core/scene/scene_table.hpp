@@ -47,7 +47,7 @@ void visit_scene(AnyScene& scene, const Visit& visit) {
                            "of the tone; of samples, the line whose harmonics are measured"});
         row(cycles, {"cycles",
                      {1e-3, 1e9},
-                     "periods of the tone in a burst; of a live drive, see there",
+                     "periods of the tone in a burst; of a live drive, those for which the step is chosen",
                      {.needs = tone}});
         row(amplitude_m, {"amplitude_m",
                           {0, 1, "m"},
@@ -66,7 +66,7 @@ void visit_scene(AnyScene& scene, const Visit& visit) {
         row(start_s,
             {"start_s",
              {0, 1e6, "s"},
-             "until the burst begins; of a live drive, the latency, as long as it has to be at least",
+             "delay of the burst; of a live drive, its latency, at least the one that `check` prints",
              {.needs = horn, .hashed = changed}});
         row(record, {"file",
                      {},
@@ -102,7 +102,7 @@ void visit_scene(AnyScene& scene, const Visit& visit) {
         row(lowpass_hz,
             {"lowpass_hz",
              {1e-3, 1e9, "Hz"},
-             "that much of the record is kept, a third of its rate at most",
+             "upper limit of the frequencies that are kept of the record, a third of its rate at most",
              {.unset = "a third of the rate, at most 1 MHz", .needs = samples_of, .hashed = changed}});
         row(samples, {"samples",
                       {-1e100, 1e100},
@@ -125,7 +125,7 @@ void visit_scene(AnyScene& scene, const Visit& visit) {
         row(horn_model, {"horn",
                          {},
                          "whether the tip moves as prescribed, or as [a resonator on which the chain acts "
-                         "back](../docs/model.md#a-horn-that-gives-way)",
+                         "back](../docs/model.md#a-horn-that-the-chain-acts-back-on)",
                          {.needs = horn, .hashed = changed}});
         row(horn_frequency_hz, {"horn_frequency_hz",
                                 {1e-3, 1e9, "Hz"},

@@ -1,9 +1,9 @@
 #!/usr/bin/python3
 """Runs every command that a document shows in a block of code: run_commands.py ROOT BUILD DOCUMENT
 
-A shell runs each command as it stands, in a folder that looks like the project's. A stream continues during the commands after it
-until another one takes its port or the document ends; Ctrl-C then ends it. NOT_RUN lists the commands that are not run, with
-reasons. A line that is neither a command nor listed fails the test. A block of TOML whose first line is "# FILE.toml: ..." is saved under
+A shell runs each command as it stands, in a folder that looks like the project's. A stream, or a replay that waits for a subscriber,
+continues during the commands after it until another one takes its port or the document ends; Ctrl-C then ends it. NOT_RUN lists the
+commands that are not run, with reasons. A line that is neither a command nor listed fails the test. A block of TOML whose first line is "# FILE.toml: ..." is saved under
 that name. A block of "output" has lines that the commands since the last such block print, in their order; "..." stands for others.
 """
 import os
@@ -215,7 +215,7 @@ class Folder:
         command = INSTEAD.get(command, command).replace("HOST", "127.0.0.1")
         if re.search(r"hertzline (stream|replay) ", command):
             self.end_stream()
-        if re.search(r"hertzline stream (?!.*--duration)", command):
+        if re.search(r"hertzline (stream (?!.*--duration)|replay .*--wait-for-subscriber)", command):
             self.stream = self._start("exec " + command)
             self._wait_for_the_port()
             return

@@ -211,7 +211,7 @@ void draw_row(Draw& draw, Scene& scene) {
     }
 }
 
-/// Draws a record of the tone's motion, with noise, in place of the tone, and a horn that gives way.
+/// Draws a record of the tone's motion, with noise, in place of the tone, and a resonant horn.
 void draw_horn(Draw& draw, Scene& scene) {
     Drive& drive = scene.drive;
     if (drive.kind == DriveKind::none) {

@@ -43,7 +43,7 @@ constexpr const char* examples =
     "Of a field: the beam, with lines at -6, -12 and -20 dB; of one made with --waveforms also the spectrum "
     "at a point, "
     "the pressure over time along a line (waterfall), and over a plane as a movie, an animated GIF. "
-    "Needs Python with matplotlib.\n"
+    "Needs Python with matplotlib, for .h5 files h5py.\n"
     "Examples:\n"
     "  hertzline plot burst.csv -o burst.png\n"
     "  hertzline plot live.h5 -o live.svg --columns v_out,f_last --from 0.5 --to 0.501\n"

@@ -39,7 +39,7 @@ namespace {
 constexpr const char* examples =
     "Streams: v_out, v_last, v_plate, v_chain, v_horn, x_horn, f_first, f_last, f_chain, each as NAME/np and "
     "NAME/raw; "
-    "of a modal plate v_centre, v_face and p_axis instead of v_plate.\n"
+    "of a modal plate v_centre, v_face, p_axis and p_points instead of v_plate.\n"
     "Topics beside them: meta, meters, end.\n"
     "Ctrl-C ends the stream with recordings saved and a summary.\n"
     "Examples:\n"
@@ -202,8 +202,8 @@ std::unique_ptr<LiveControl> control_of(const StreamOptions& arguments, const Ch
     if (arguments.control.endpoint.empty()) {
         return nullptr;
     }
-    auto control = std::make_unique<LiveControl>(arguments.control, checked.control_curve,
-                                                 checked.resolved, source, samples);
+    auto control = std::make_unique<LiveControl>(arguments.control, checked.control_curve, checked.resolved,
+                                                 source, samples);
     spdlog::info("control {}", control->endpoint());
     return control;
 }

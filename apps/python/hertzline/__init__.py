@@ -1,4 +1,4 @@
-"""Simulates a chain of spheres that an ultrasonic horn pushes, with the bits of the program `hertzline`.
+"""Simulates a chain of spheres that an ultrasonic horn pushes. The results are those of the program `hertzline`, bit for bit.
 
     import hertzline
     s = hertzline.scene("paper-vitreous-carbon", end={"thickness_m": 0.4e-3})

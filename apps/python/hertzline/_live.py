@@ -205,7 +205,7 @@ class Control:
     def set(self, values: Mapping[str, Any], *, force: bool = False) -> dict[str, Any]:
         """Changes keys of the scene: {"drive.amplitude_m": 2e-6}; None takes an optional value back.
 
-        force: change it even if the stream would then as good as stand.
+        force: change it even if the stream would then all but stop.
 
         Returns the reply: `applies_at_sample`, `epoch`, `scene_hash`, `estimated_error`, `estimated_over_s`, `warnings`. Raises
         ValueError with every fault, OSError with the reason when there is no reply.

@@ -160,13 +160,14 @@ class Scene:
         measure: Iterable[str] = (),
         band_from_hz: float | None = None,
     ) -> Result:
-        """Simulates from 0 to output.duration_s, with the bits of `hertzline run`.
+        """Simulates from 0 to output.duration_s, as `hertzline run` does, bit for bit.
 
         taps: the outputs to keep, such as ["v_out", "v_chain"]; by default those that `hertzline run -o` saves. v_out is always kept.
         measure: taps whose peaks and spectra stand in the summary, too; they are kept as well.
         band_from_hz: bands are looked for from here upward [Hz]; by default half the drive's frequency.
 
-        Raises ValueError with every fault, RuntimeError when the motion becomes unstable, MemoryError.
+        Raises ValueError with every fault, RuntimeError when the motion becomes unstable, and MemoryError when the run does not fit
+        into memory.
         """
         names = None if taps is None else names_in("taps", taps)
         return Result(_native.run(self._native, names, names_in("measure", measure), band_from_hz))
@@ -235,7 +236,7 @@ class Result(Samples):
         return self._native.provenance()
 
     def save(self, *paths: Path, taps: Sequence[str] | None = None, wav_scale: float = 1.0) -> None:
-        """Writes recordings; the endings pick the formats: .h5, .csv, .npy, .wav, .sigmf-meta, .sigmf-collection.
+        """Writes recordings; the endings pick the formats: .h5, .csv, .npy, .wav, .sigmf-meta, .sigmf-data, .sigmf-collection.
 
         taps: the outputs that they hold; by default the taps that `run` was asked for.
         wav_scale: full scale of WAV files, in the unit of the samples.

@@ -18,7 +18,7 @@ class Simulation:
     """
 
     def __init__(self, base: Scene | str = "paper-vitreous-carbon", taps: Iterable[str] | None = None) -> None:
-        """Starts at sample 0, at static equilibrium. Raises ValueError with every fault, MemoryError.
+        """Starts at sample 0, at static equilibrium. Raises ValueError with every fault, and MemoryError.
 
         taps: the outputs that are computed; by default those that `hertzline run -o` saves.
         """

@@ -87,7 +87,7 @@ void HornAtSamples::work_out(std::int64_t first) noexcept {
 }
 
 EndTaps::EndTaps(const Chain& chain, const Scene& scene, const SimulationOptions& options)
-    : chain_(chain), horn_(scene, options), gives_way_(horn_resonator(scene.drive).has_value()) {}
+    : chain_(chain), horn_(scene, options), resonates_(horn_resonator(scene.drive).has_value()) {}
 
 bool EndTaps::any_of(TapSet taps) noexcept {
     return !(taps & (columns_of_motion | computed)).empty();
@@ -109,7 +109,7 @@ EndMotion EndTaps::outputs_into(Samples& samples) noexcept {
             .x_end = displacements ? x_end_.data() : nullptr,
             .closed = closed_.data(),
             .v_face = face ? column_or_scratch(Tap::v_face, v_face_.data()) : nullptr,
-            .horn = gives_way_ ? horn_motion_.data() : nullptr,
+            .horn = resonates_ ? horn_motion_.data() : nullptr,
             .p_axis = column_or_scratch(Tap::p_axis, nullptr),
             .p_points = column_or_scratch(Tap::p_points, nullptr)};
 }

@@ -73,7 +73,7 @@ private:
 
     const Chain& chain_;
     HornAtSamples horn_;
-    bool gives_way_;  ///< the horn: the solver knows its motion
+    bool resonates_;  ///< the horn: the solver knows its motion
     std::array<HornMotion, max_count> horn_motion_{};
     std::array<double, max_count> v_last_{}, v_end_{}, x_last_{}, x_end_{}, v_face_{};
     std::array<bool, max_count> closed_{};
