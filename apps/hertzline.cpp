@@ -119,10 +119,31 @@ void refuse_unknown_subcommand(int argc, char** argv) {
                                comma_separated(names), suggestion(argv[1], names)));
 }
 
+/// Returns the fault of words that no option or argument takes: of the first option, or else of the first word.
+std::string unknown_word(const CLI::App& command) {
+    const std::vector<std::string> words = command.remaining();
+    const auto is_option = [](const std::string& word) { return word.starts_with('-'); };
+    const auto option = std::ranges::find_if(words, is_option);
+    if (option == words.end()) {
+        return "found " + quoted_briefly(words.front()) + " behind the arguments";
+    }
+    std::vector<std::string> options;
+    for (const CLI::Option* known : command.get_options()) {
+        for (const std::string& name : known->get_lnames()) {
+            options.push_back("--" + name);
+        }
+    }
+    return "found the option " + quoted_briefly(*option) + suggestion(*option, options);
+}
+
 /// Returns the fault that CLI11 found, and the way to the options that are allowed.
-std::string fault_of(const CLI::ParseError& error, int argc, char** argv) {
-    return fmt::format("{}; hertzline {}--help says what is allowed", printable(error.what()),
-                       argc > 1 && is_subcommand(argv[1]) ? argv[1] + std::string(" ") : "");
+std::string fault_of(const CLI::ParseError& error, const CLI::App& program) {
+    const auto parsed = program.get_subcommands();
+    const CLI::App& command = parsed.empty() ? program : *parsed.front();
+    const bool unknown = error.get_exit_code() == static_cast<int>(CLI::ExitCodes::ExtrasError);
+    return fmt::format("{}; hertzline {}--help lists what is allowed",
+                       unknown ? unknown_word(command) : printable(error.what()),
+                       parsed.empty() ? "" : command.get_name() + ' ');
 }
 
 /// The libraries end the program with a signal where they run out of address space.
@@ -149,7 +170,7 @@ Exit parse_and_run(int argc, char** argv) {
         app.parse(argc, argv);
     } catch (const CLI::ParseError& error) {
         if (error.get_exit_code() != static_cast<int>(CLI::ExitCodes::Success)) {
-            throw WrongUse(fault_of(error, argc, argv));
+            throw WrongUse(fault_of(error, app));
         }
         std::ostringstream out;  // --help or --version
         app.exit(error, out, out);

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cctype>
 #include <stdexcept>
 #include <string_view>
 
@@ -71,10 +70,7 @@ const Format& format_or_refuse(const fs::path& path, Access access) {
 }  // namespace
 
 std::string recording_ending(const fs::path& path) {
-    std::string ending = path.extension().string();
-    std::ranges::transform(ending, ending.begin(),
-                           [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-    return ending;
+    return lower_case(path.extension().string());
 }
 
 std::string recording_endings(Access access) {
@@ -119,16 +115,21 @@ bool share_files(const fs::path& one, const fs::path& other) {
     return is_same(a, b) || is_same(one, other) || is_member(a, b) || is_member(b, a);
 }
 
+std::optional<std::string> repeated_fault(const std::string& file, std::span<const std::string> before) {
+    const auto twin =
+        std::ranges::find_if(before, [&](const std::string& other) { return share_files(file, other); });
+    if (twin == before.end()) {
+        return std::nullopt;
+    }
+    return printable(file) + ": found files of " + printable(*twin) + ", allowed: each file once";
+}
+
 std::vector<std::string> recordings_faults(std::span<const std::string> files) {
     std::vector<std::string> faults;
     for (std::size_t i = 0; i < files.size(); ++i) {
-        const auto before = files.first(i);
-        const auto twin = std::ranges::find_if(
-            before, [&](const std::string& other) { return share_files(files[i], other); });
-        if (auto fault = recording_fault(files[i])) {
-            faults.push_back(*std::move(fault));
-        } else if (twin != before.end()) {
-            faults.push_back(files[i] + ": found files of " + *twin + ", allowed: each file once");
+        const auto fault = recording_fault(files[i]);
+        if (const auto found = fault ? fault : repeated_fault(files[i], files.first(i))) {
+            faults.push_back(*found);
         }
     }
     return faults;

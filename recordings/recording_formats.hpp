@@ -31,6 +31,9 @@ std::filesystem::path recording_name(const std::filesystem::path& path);
 /// Whether two recordings have a file in common: they are one, or one is a member of the other, a SigMF collection.
 bool share_files(const std::filesystem::path& one, const std::filesystem::path& other);
 
+/// The fault of a file that shares files with one before it.
+std::optional<std::string> repeated_fault(const std::string& file, std::span<const std::string> before);
+
 /// The faults of names of recordings that are written together: endings, and files in common.
 std::vector<std::string> recordings_faults(std::span<const std::string> files);
 

@@ -16,19 +16,6 @@
 
 namespace hertzline::recordings {
 
-namespace {
-
-/// Names become field names, links and keys: nothing that any of these formats would have to escape.
-bool usable_name(std::string_view name) {
-    constexpr std::string_view others = "_-";
-    return !name.empty() && std::ranges::all_of(name, [&](char c) {
-        return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') ||
-               others.find(c) != std::string_view::npos;
-    });
-}
-
-}  // namespace
-
 std::optional<std::string> head_fault(const RecordingHead& head) {
     if (head.columns.empty()) {
         return "no columns";
@@ -38,7 +25,8 @@ std::optional<std::string> head_fault(const RecordingHead& head) {
     }
     std::set<std::string_view> names{"t_s"};
     for (const Column& column : head.columns) {
-        if (!usable_name(column.name) || !usable_name(column.quantity)) {
+        // names become field names, links and keys: nothing that any format would have to escape
+        if (!is_bare_key(column.name) || !is_bare_key(column.quantity)) {
             return fmt::format(R"(column "{}" of "{}": allowed in names: letters, digits, _ and -)",
                                column.name, column.quantity);
         }

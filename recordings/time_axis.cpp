@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cctype>
 #include <charconv>
 #include <cmath>
 #include <limits>
@@ -34,13 +33,6 @@ constexpr std::array time_units{TimeUnit{"", 1},         TimeUnit{"s", 1},      
                                 TimeUnit{"us", 1e-6},    TimeUnit{"\u00b5s", 1e-6}, TimeUnit{"\u03bcs", 1e-6},
                                 TimeUnit{"\xb5s", 1e-6},  // in Latin-1
                                 TimeUnit{"ns", 1e-9},    TimeUnit{"ps", 1e-12}};
-
-std::string lower(std::string_view text) {
-    std::string small(text);
-    std::ranges::transform(small, small.begin(),
-                           [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-    return small;
-}
 
 /// Rounds to that many digits.
 double rounded(double number, int digits) {
@@ -119,13 +111,13 @@ bool keeps_to(double rate, std::span<const double> times, const TimeDigits& digi
 }  // namespace
 
 std::optional<double> unit_of_time(std::string_view text) {
-    const std::string unit = lower(trimmed(text, " ()[]_/,"));
+    const std::string unit = lower_case(trimmed(text, " ()[]_/,"));
     const auto* const found = std::ranges::find(time_units, unit, &TimeUnit::name);
     return found != time_units.end() ? std::optional(found->seconds) : std::nullopt;
 }
 
 std::optional<double> unit_of_time_column(std::string_view name) {
-    const std::string text = lower(name);
+    const std::string text = lower_case(name);
     for (const std::string_view base : time_names) {
         const std::string_view unit = std::string_view(text).substr(std::min(base.size(), text.size()));
         const bool ends = unit.empty() ? base != "in"  // that is an input

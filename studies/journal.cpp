@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <bit>
-#include <cctype>
 #include <cerrno>
 #include <cstring>
 #include <optional>
@@ -17,6 +16,7 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include "core/scene/text.hpp"
 #include "recordings/files/input_file.hpp"
 #include "recordings/files/staged_file.hpp"
 #include "studies/database.hpp"
@@ -43,13 +43,7 @@ std::vector<std::string> names_in_sql(std::span<const TableColumn> columns) {
     std::vector<std::string> names;
     std::set<std::string> seen;
     const auto add = [&](std::string name) {
-        const auto lower = [&] {
-            std::string text = name;
-            std::ranges::transform(text, text.begin(),
-                                   [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-            return text;
-        };
-        while (!seen.insert(lower()).second) {
+        while (!seen.insert(lower_case(name)).second) {
             name += '_';
         }
         names.push_back(quoted_name(name));

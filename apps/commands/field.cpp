@@ -240,8 +240,11 @@ CheckedField checked(const FieldOptions& options) {
     if (options.waveforms) {
         like.samples = recordings::TableSamples{"p_points", "Pa", 1};
     }
-    for (const std::string& file : options.files) {
-        faults.add("-o", recordings::table_fault(file, like));
+    for (std::size_t i = 0; i < options.files.size(); ++i) {
+        const auto fault = recordings::table_fault(options.files[i], like);
+        faults.add(
+            "-o",
+            fault ? fault : recordings::repeated_fault(options.files[i], std::span(options.files).first(i)));
     }
     check_inputs_stay("-o", options.files, files_of(options.scene), faults);
     faults.add("--jobs", studies::jobs_fault(options.jobs.value_or(studies::usual_jobs())));

@@ -6,6 +6,9 @@
 #include <set>
 #include <stdexcept>
 #include <string>
+#include <utility>
+
+#include "core/scene/text.hpp"
 
 namespace hertzline {
 
@@ -34,8 +37,10 @@ public:
         }
         return keys_[depth_].insert(key).second || stop("a key twice in one object");
     }
-    bool parse_error(std::size_t, const std::string&, const nlohmann::detail::exception&) override {
-        return stop("not JSON");
+    bool parse_error(std::size_t position, const std::string& last_token,
+                     const nlohmann::detail::exception&) override {
+        const std::string found = last_token.empty() ? "its end" : quoted_briefly(last_token);
+        return stop("not JSON: found " + found + " at byte " + std::to_string(position));
     }
 
 private:
@@ -43,8 +48,8 @@ private:
     static constexpr std::size_t max_values = 5'000'000;  // the columns of a million spheres, and more
     static constexpr std::size_t max_comparisons = 20'000'000;
 
-    bool stop(const char* why) {
-        fault = why;
+    bool stop(std::string why) {
+        fault = std::move(why);
         return false;
     }
     bool value() { return ++values_ <= max_values || stop("too many values"); }

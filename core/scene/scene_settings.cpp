@@ -70,16 +70,6 @@ std::string key_of(std::vector<std::string> path) {
     return joined(path);
 }
 
-std::vector<std::string> split_at_dots(std::string_view key) {
-    std::vector<std::string> parts;
-    for (std::size_t begin = 0; begin <= key.size();) {
-        const std::size_t end = std::min(key.find('.', begin), key.size());
-        parts.emplace_back(key.substr(begin, end - begin));
-        begin = end + 1;
-    }
-    return parts;
-}
-
 }  // namespace
 
 bool SceneSettings::add_file(std::string_view text) {
@@ -121,7 +111,8 @@ void SceneSettings::add_option(const std::string& option) {
     const std::string_view name = trimmed(std::string_view(option).substr(0, equals), blank);
     const std::string_view key = without_entry(name);
     const std::string_view entry = name.substr(key.size());
-    const Path path = split_at_dots(key);
+    const std::vector<std::string_view> words = split(key, '.');
+    const Path path(words.begin(), words.end());
     const std::size_t parts = path[0] == "materials" ? 3 : 2;
     const bool odd_entry = entry.find_first_not_of("[0123456789]") != std::string_view::npos ||
                            (!entry.empty() && entry.back() != ']');

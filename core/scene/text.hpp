@@ -49,6 +49,9 @@ std::string_view trimmed(std::string_view text, std::string_view blanks) noexcep
 /// The parts between the separators, one more than there are separators.
 std::vector<std::string_view> split(std::string_view text, char separator);
 
+/// The text with small letters in place of the capitals of ASCII.
+std::string lower_case(std::string_view text);
+
 /// The words in a row, separated by ", ".
 std::string comma_separated(std::span<const std::string> words);
 

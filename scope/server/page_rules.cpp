@@ -69,9 +69,7 @@ bool is_name(std::string_view text) {
 
 /// Returns the scheme, host and port of a Host header; nothing where it is none.
 std::optional<std::string> origin_of(const Scheme& scheme, std::string_view host_header) {
-    std::string lower(host_header);
-    std::ranges::transform(lower, lower.begin(),
-                           [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c + 32) : c; });
+    const std::string lower = lower_case(host_header);
     const auto [host, port_text] = host_and_port(lower);
     const auto port =
         port_text.empty() && !lower.ends_with(':') ? std::optional(scheme.port) : port_in(port_text);

@@ -249,7 +249,7 @@ TEST_F(SharedSweep, WritesSeveralTablesAtOnce) {
                                  HasSubstr("b.txt: found the ending \".txt\"")));
     const Outcome twice = swept({"-o", folder.file("a.csv"), "-o", folder.file("./a.csv")});
     EXPECT_EQ(twice.status, 2);
-    EXPECT_THAT(twice.err, HasSubstr("found a second time"));
+    EXPECT_THAT(twice.err, HasSubstr("allowed: each file once"));
 }
 
 TEST_F(SharedSweep, ASearchWritesSeveralTablesAtOnce) {

@@ -1,10 +1,8 @@
 #include "apps/commands/run/run_files.hpp"
 
 #include <algorithm>
-#include <filesystem>
 #include <numeric>
 #include <optional>
-#include <set>
 #include <stdexcept>
 #include <utility>
 #include <vector>
@@ -75,16 +73,11 @@ bool draw(const std::string& file, const hertzline::Run& run, const recordings::
 
 void check_spectra(std::span<const std::string> spectra, std::span<const std::string> recordings,
                    Faults& faults) {
-    std::set<std::filesystem::path> names;
-    for (const std::string& file : recordings) {
-        names.insert(recordings::recording_name(file));
-    }
+    std::vector<std::string> before(recordings.begin(), recordings.end());
     for (const std::string& file : spectra) {
         const auto fault = recordings::table_fault(file);
-        faults.add("--spectrum", fault);
-        if (!fault && !names.insert(recordings::recording_name(file)).second) {
-            faults.add("--spectrum", file + ": found a second time, allowed: each file once");
-        }
+        faults.add("--spectrum", fault ? fault : recordings::repeated_fault(file, before));
+        before.push_back(file);
     }
 }
 

@@ -1,9 +1,8 @@
 #include "apps/commands/sweep/sweep_merge.hpp"
 
 #include <cstdint>
-#include <filesystem>
 #include <map>
-#include <set>
+#include <span>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -28,22 +27,14 @@ using studies::Journal;
 using studies::PointCounts;
 using studies::Study;
 
-/// @throws WrongUse when two names belong to one file
-void refuse_repeated(const std::vector<std::string>& names) {
-    std::set<std::filesystem::path> seen;
-    for (const std::string& name : names) {
-        if (!seen.insert(recordings::recording_name(name)).second) {
-            throw WrongUse(
-                fmt::format("--merge: found {} a second time, allowed: each journal once", printable(name)));
-        }
-    }
-}
-
 /// Opens the journals of all parts, in their order.
 std::vector<Journal> open_parts(const SweepOptions& options, const Study& study) {
-    refuse_repeated(options.parts);
     std::map<std::int64_t, Journal> parts;  // a journal can claim millions of parts
-    for (const std::string& name : options.parts) {
+    for (std::size_t i = 0; i < options.parts.size(); ++i) {
+        const std::string& name = options.parts[i];
+        if (const auto fault = recordings::repeated_fault(name, std::span(options.parts).first(i))) {
+            throw WrongUse("--merge: " + *fault);
+        }
         Journal journal(name, Journal::Use::read);
         if (const auto difference = studies::journal_difference(journal.text(), study, {"shard"})) {
             throw WrongUse(

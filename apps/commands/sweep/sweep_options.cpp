@@ -1,8 +1,7 @@
 #include "apps/commands/sweep/sweep_options.hpp"
 
 #include <algorithm>
-#include <filesystem>
-#include <set>
+#include <span>
 #include <string_view>
 #include <system_error>
 #include <utility>
@@ -134,12 +133,11 @@ void check_tables(std::span<const std::string> files, std::optional<Tap> wavefor
     if (waveform) {
         table.samples.emplace();
     }
-    std::set<std::filesystem::path> names;
-    for (const std::string& file : files) {
-        if (const auto fault = recordings::table_fault(file, table)) {
+    for (std::size_t i = 0; i < files.size(); ++i) {
+        if (const auto fault = recordings::table_fault(files[i], table)) {
             faults.add(*fault + (waveform ? ", which holds waveforms" : ""));
-        } else if (!names.insert(recordings::recording_name(file)).second) {
-            faults.add(printable(file), "found a second time, allowed: each file once");
+        } else {
+            faults.add(recordings::repeated_fault(files[i], files.first(i)));
         }
     }
 }
@@ -201,8 +199,7 @@ void add_point_options(CLI::App& app, SweepOptions& options) {
     app.add_option("--band-from", options.band_from_hz,
                    "lower limit of the bands (default: half the drive's frequency)")
         ->type_name("HZ");
-    app.add_option("--jobs", options.jobs,
-                   "threads (default: one for each usable processor; one with --shard mpi)")
+    app.add_option("--jobs", options.jobs, "threads (default: one for each usable processor)")
         ->type_name("N");
     add_target_option(app);
 }
@@ -226,9 +223,10 @@ void add_sweep_options(CLI::App& app, SweepOptions& options) {
         ->check(missing_name)
         ->type_name("OUTPUT");
     app.add_flag("--resume", options.resume, "continue an unfinished sweep, or start one");
-    app.add_option("--shard", options.shard,
-                   "run part I of N, or the part of this task of a Slurm array or rank of mpirun or srun; "
-                   "--merge joins the parts")
+    app.add_option(
+           "--shard", options.shard,
+           "run part I of N, or the part of this task of a Slurm array or rank of mpirun or srun (mpi: on "
+           "one thread); --merge joins the parts")
         ->check(missing_name)
         ->type_name("I/N|slurm[/N]|mpi");
     app.add_option("--merge", options.parts, "write FILE from the journals of all parts")

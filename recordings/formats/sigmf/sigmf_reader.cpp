@@ -1,6 +1,5 @@
 #include <algorithm>
 #include <array>
-#include <cctype>
 #include <cmath>
 #include <functional>
 #include <iterator>
@@ -70,10 +69,10 @@ DataType data_type_of(const std::string& name) {
 }
 
 /// Compares the hash of a file with the one in the metadata, if there is one. Returns how they differ.
-/// @param told that of the metadata; "": none
-std::optional<std::string> hash_fault(std::string told, InputFile& file, const ArchivedFile& part) {
-    std::ranges::transform(told, told.begin(),
-                           [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+/// @param told_hash that of the metadata; "": none
+std::optional<std::string> hash_fault(std::string_view told_hash, InputFile& file,
+                                      const ArchivedFile& part) {
+    const std::string told = lower_case(told_hash);
     const std::string found = told.empty() ? told : sha512_of(file, part);
     return found == told ? std::nullopt
                          : std::optional(fmt::format("found {}..., told {}", found.substr(0, 16),
