@@ -58,9 +58,9 @@ void add_contacts(Run& run, const Scene& scene, const Chain& chain, const Eigen:
     }
 }
 
-/// Adds the account of a simulation that is over. @param continued its motion and ledger continue those of the one before
-/// @param continues the next one continues them, and accounts for them
-void add_account(Run& run, Simulation& simulation, bool continued, bool continues) {
+/// Adds the account of a simulation that is over. @param continues the next one continues its motion and ledger, and accounts for
+/// them
+void add_account(Run& run, Simulation& simulation, bool continues) {
     const Chain& chain = simulation.chain();
     run.steps += simulation.steps();
     run.step_s = simulation.step_s();
@@ -78,10 +78,9 @@ void add_account(Run& run, Simulation& simulation, bool continued, bool continue
             run.horn = HornEnergy{before.source + ledger.source_work, before.lost + ledger.horn_lost,
                                   before.held + ledger.horn_held};
         }
-    }
-    if (chain.end.plate) {
-        const PlateEnergy energy = energy_of_plate(simulation.ledger());
-        run.plate = run.plate && !continued ? sum_of(*run.plate, energy) : energy;
+        if (chain.end.plate) {
+            run.plate = sum_of(run.plate.value_or(PlateEnergy{}), energy_of_plate(ledger));
+        }
     }
 }
 
@@ -142,7 +141,7 @@ public:
     Simulation& now() noexcept { return *now_; }
 
     /// Ends the present one. @param continues its motion goes on in the next one
-    void close(bool continues) { add_account(run_, *now_, continued_, continues); }
+    void close(bool continues) { add_account(run_, *now_, continues); }
 
     /// Samples that the present one has still to give.
     std::size_t left() const noexcept {
@@ -176,7 +175,6 @@ private:
             options_.begins(done_);
         }
         close(step.continued);
-        continued_ = step.continued;
         ++done_;
         run_.last_scene = step.scene;
         run_.resolved.estimate = worse_of(run_.resolved.estimate, step.estimate);
@@ -197,7 +195,6 @@ private:
 
     Run& run_;
     Simulation* now_;
-    bool continued_ = false;  // the present one continues the one before
     const RunOptions& options_;
     std::unique_ptr<Simulation> later_;  // the present one, unless it is the first
     std::size_t done_ = 0;

@@ -189,21 +189,25 @@ std::optional<Fault> read(ParsedScene& parsed, const fs::path& path,
     return std::nullopt;
 }
 
-/// Takes the strongest line as the frequency, unless that is given: as an option, or in the text that makes the drive a record.
+/// Takes the strongest line as the frequency, unless that is given.
 void take_line(ParsedScene& parsed) {
+    Drive& drive = parsed.scene.drive;
+    if (drive.sample_rate_hz && !gives_frequency(parsed)) {
+        drive.frequency_hz = strongest_line_hz(drive).value_or(drive.frequency_hz);
+    }
+}
+
+}  // namespace
+
+bool gives_frequency(const ParsedScene& parsed) {
     const auto is_option = [&](const std::string& name) {
         const auto place = parsed.places.find(name);
         return place != parsed.places.end() ? std::optional(place->second.line == 0) : std::nullopt;
     };
     const auto frequency = is_option("drive.frequency_hz");
     const bool is_of_a_tone = frequency == false && is_option("drive.kind") == true;
-    Drive& drive = parsed.scene.drive;
-    if (drive.sample_rate_hz && (!frequency || is_of_a_tone)) {
-        drive.frequency_hz = strongest_line_hz(drive).value_or(drive.frequency_hz);
-    }
+    return frequency && !is_of_a_tone;
 }
-
-}  // namespace
 
 std::optional<fs::path> record_of(const ParsedScene& parsed) {
     if (!parsed.scene.drive.file) {

@@ -17,6 +17,9 @@ namespace hertzline::recordings {
 /// long or has gaps
 std::optional<Fault> read_drive(ParsedScene& parsed, const std::function<void(const std::string&)>& warn);
 
+/// Whether the scene gives the frequency that its record is measured by: as an option, or in the text that makes the drive a record.
+bool gives_frequency(const ParsedScene& parsed);
+
 /// The record that the scene names, where read_drive() looks for it; nothing where it names none.
 std::optional<std::filesystem::path> record_of(const ParsedScene& parsed);
 

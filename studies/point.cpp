@@ -211,7 +211,7 @@ void PointRunner::measure(Candidate& candidate, PointResult& result) {
 bool PointRunner::try_run(const Scene& scene, PointResult& result) {
     if (scene.drive.kind == DriveKind::file && scene.drive.file) {  // varies from point to point
         ParsedScene with_record{scene, "", {{"drive.file", {}}}};
-        if (scene.drive.frequency_hz != Drive{}.frequency_hz) {  // the scene gives it
+        if (options_.frequency_given) {
             with_record.places.emplace("drive.frequency_hz", Place{});
         }
         std::string said;

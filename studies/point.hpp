@@ -54,6 +54,7 @@ struct PointOptions {
     std::optional<Tap> waveform;         ///< samples that are kept
     std::size_t waveform_samples = 0;    ///< at the longest point
     std::size_t waveform_channels = 1;   ///< at the point with most of them
+    bool frequency_given = false;        ///< records that vary leave drive.frequency_hz as it is
 
     /// How many numbers the waveform of a point has.
     std::size_t waveform_size() const noexcept { return waveform ? waveform_samples * waveform_channels : 0; }

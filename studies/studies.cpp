@@ -137,18 +137,20 @@ int jobs_of(const StudyOptions& options, Faults& faults) {
 }
 
 /// The measurements at each point.
-studies::PointOptions point_options(const StudyOptions& options, const studies::PlanSummary& plan,
-                                    Faults& faults) {
-    const TapSet there = plan.measurable();
+studies::PointOptions point_options(const StudyOptions& options, const studies::SweepPlan& plan,
+                                    const studies::PlanSummary& summary, Faults& faults) {
+    const TapSet there = summary.measurable();
     studies::PointOptions point;
     point.measured = measures::taps_named("measure", options.measure, there, faults);
     point.band_from_hz = options.band_from_hz;
     faults.add("band_from_hz", measures::band_from_fault(point.band_from_hz));
     if (options.waveforms) {
-        studies::keep_waveforms(point, *options.waveforms, plan, "waveforms", faults);
+        studies::keep_waveforms(point, *options.waveforms, summary, "waveforms", faults);
     }
     const auto columns =
-        measures::number_columns((point.measured | measures::measured_unasked) & there, plan.modal);
+        measures::number_columns((point.measured | measures::measured_unasked) & there, summary.modal);
+    point.frequency_given = plan.base().drive.frequency_hz != Drive{}.frequency_hz ||
+                            studies::varies(plan, "drive.frequency_hz");
     point.columns = faults.value_of("quantities", measures::chosen_columns(columns, options.quantities))
                         .value_or(columns);
     return point;
@@ -274,7 +276,7 @@ StudyTable sweep(const Scene& scene, const StudyKeys& vary, const StudyOptions& 
     studies::SweepPlan plan = required(plan_of(scene, vary, make_plan), faults);
     const studies::PlanSummary summary =
         studies::summary_of(plan, measures::measurable_among(options.measure));
-    studies::PointOptions point = point_options(options, summary, faults);
+    studies::PointOptions point = point_options(options, plan, summary, faults);
     faults.refuse<std::invalid_argument>();
     const studies::Study study{std::move(plan), std::move(point), {}};
     require_memory("the sweep", static_cast<double>(study.plan.size()), study, jobs, summary);
@@ -301,7 +303,7 @@ SearchOutcome optimise(const Scene& scene, const StudyKeys& vary, const SearchGo
     const studies::PlanSummary summary =
         studies::summary_of(sample, measures::measurable_among(options.measure));
     request.axes = sample.axes();
-    request.options = point_options(options, summary, faults);
+    request.options = point_options(options, sample, summary, faults);
     check_search(request, faults);
     faults.refuse<std::invalid_argument>();
     const studies::Study rows = studies::study_of(request);

@@ -67,6 +67,7 @@ constexpr std::array members{Member{"scene", "scene"},
                              Member{"simd_target", "instruction set"},
                              Member{"measured", "--measure"},
                              Member{"band_from_hz", "--band-from"},
+                             Member{"frequency_given", "drive.frequency_hz"},
                              Member{"columns", "--quantity"},
                              Member{"waveform", "--waveforms"},
                              Member{"waveform_samples", "length of waveforms"},
@@ -90,6 +91,9 @@ Json identity_of(const Study& study) {
     json["waveform_channels"] = options.waveform_channels;
     json["shard"] = {study.shard.part, study.shard.parts};
     json["records"] = study.records;
+    if (!study.records.is_null()) {
+        json["frequency_given"] = options.frequency_given;
+    }
     return json;
 }
 
@@ -268,6 +272,10 @@ void keep_waveforms(PointOptions& options, std::string_view name, const PlanSumm
     }
 }
 
+bool varies(const SweepPlan& plan, std::string_view key) {
+    return std::ranges::find(plan.keys(), key, &SceneKey::name) != plan.keys().end();
+}
+
 Json maker_json() {
     return {{"program", "hertzline"},
             {"version", measures::program_version()},
@@ -293,6 +301,7 @@ Study sweep_of_journal(const std::string& text) {
         if (!json.at("band_from_hz").is_null()) {
             study.options.band_from_hz = json.at("band_from_hz").get<double>();
         }
+        study.options.frequency_given = json.value("frequency_given", false);
         for (const Json& column : json.at("columns")) {
             auto found = measures::find_column(column.get<std::string>());
             if (!found) {
@@ -333,6 +342,7 @@ Json provenance_of(const Study& study) {
     }
     if (!study.records.is_null()) {
         json["records"] = study.records;
+        json["frequency_given"] = study.options.frequency_given;
     }
     if (study.is_search()) {
         json["search"] = study.search;

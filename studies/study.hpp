@@ -65,6 +65,9 @@ struct PlanSummary {
 /// the key does not vary, and for a file that cannot be read.
 Json varied_records(const SweepPlan& plan);
 
+/// Whether the key varies.
+bool varies(const SweepPlan& plan, std::string_view key);
+
 /// Lets a study keep the samples of the tap of that name, or adds its fault. @param subject of the fault
 void keep_waveforms(PointOptions& options, std::string_view name, const PlanSummary& plan,
                     std::string_view subject, Faults& faults);

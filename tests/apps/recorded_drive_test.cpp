@@ -169,6 +169,20 @@ TEST_F(RecordedDrive, KeysByWhichARecordIsReadVaryWithItsFile) {
     EXPECT_THAT(row["message"].get<std::string>(), HasSubstr("drive.sample_rate_hz = 5e+06 takes its place"));
 }
 
+TEST_F(RecordedDrive, ASweepCountsHarmonicsFromTheFrequencyThatRunDoes) {
+    const std::string device = folder_.file("device.toml");
+    write_text(device, "[drive]\nfrequency_hz = 50e3\n[end]\nkind = 'wall'\n[output]\nduration_s = 2e-4\n");
+    for (const char* given : {"drive.start_s=0", "drive.frequency_hz=73000"}) {  // the default, too
+        const Words scene{device, "--set", "drive.kind=file", "--set", given, "--json"};
+        const json run = hertzline(with(with({"run"}, scene), {"--set", "drive.file=" + horn_})).json();
+        const json row = hertzline(with(with({"sweep"}, scene),
+                                        {"--vary", "drive.file=" + horn_, "--quantity", "fundamental_hz"}))
+                             .json();
+        EXPECT_NEAR(run["fundamental_hz"].get<double>(), 73e3, 2e3);
+        EXPECT_EQ(row["fundamental_hz"], run["fundamental_hz"]) << given;
+    }
+}
+
 TEST_F(RecordedDrive, WarningsTellWhatIsOdd) {
     const Outcome cut = hertzline(driven({"--set", "drive.lowpass_hz=60e3"}));
     EXPECT_EQ(cut.status, 2);

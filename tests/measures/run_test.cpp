@@ -4,6 +4,7 @@
 #include <atomic>
 #include <cmath>
 #include <stdexcept>
+#include <vector>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -45,6 +46,24 @@ TEST(Run, RequestsThatItCannotMeetAreRefused) {
     endless.output.duration_s = 1e6;
     EXPECT_THAT(error_of([&] { run(endless); }),
                 HasSubstr("output.duration_s: found 10000000000001 samples"));
+}
+
+TEST(Run, AMotionThatGoesOnKeepsTheEnergiesOfThoseBefore) {
+    Scene scene = read_scene("wet-vitreous-carbon");
+    scene.drive.cycles = 1;
+    scene.output.duration_s = 60e-6;
+    const Resolution resolved = resolve(scene);
+    const SceneStep anew{.sample = 300, .continued = false, .scene = resolved.scene};
+    const SceneStep on{.sample = 450, .continued = true, .scene = resolved.scene};
+    const auto energies = [&](std::vector<SceneStep> steps) {
+        return run(resolved, {.steps = steps}).plate.value();
+    };
+    const PlateEnergy whole = energies({anew});
+    const PlateEnergy in_parts = energies({anew, on});
+    EXPECT_NEAR(in_parts.passed, whole.passed, 1e-6 * whole.passed);
+    EXPECT_NEAR(in_parts.lost, whole.lost, 1e-6 * whole.lost);
+    EXPECT_NEAR(in_parts.held, whole.held, 1e-6 * whole.held);
+    EXPECT_NEAR(in_parts.radiated, whole.radiated, 1e-6 * whole.radiated);
 }
 
 TEST(Run, ThePeakAtThePointsIsThatOfAllSamples) {

@@ -21,7 +21,8 @@ SCENE, RATE_HZ, SAMPLES = "paper-stream", 10e6, 30_000
 class Publisher:
     """Sends frames of v_out that the test makes up: [(seq, sample, dropped, n)]."""
 
-    def __init__(self, frames, end):
+    def __init__(self, frames, end, channels=1):
+        self.channels = channels
         self.socket = zmq.Context.instance().socket(zmq.XPUB)
         port = self.socket.bind_to_random_port("tcp://127.0.0.1")
         self.endpoint = f"tcp://127.0.0.1:{port}"
@@ -32,11 +33,11 @@ class Publisher:
     def run(self):
         while (topic := self.socket.recv()) != b"\x01v_out/np":
             if topic == b"\x01meta":
-                self.send("meta", {"streams": [{"name": "v_out", "channels": 1}], "version": "9"})
+                self.send("meta", {"streams": [{"name": "v_out", "channels": self.channels}], "version": "9"})
         for seq, sample, dropped, n in self.frames:
-            header = {"dtype": "<f4", "shape": [n, 1], "unit": "m/s", "stream": "v_out", "seq": seq, "sample": sample,
+            header = {"dtype": "<f4", "shape": [n, self.channels], "unit": "m/s", "stream": "v_out", "seq": seq, "sample": sample,
                       "fs": 1e6, "t": sample / 1e6, "dropped": dropped, "run": "r", "burst": 0, "burst_sample": sample, "epoch": seq // 2}
-            samples = np.arange(sample, sample + n, dtype="<f4")
+            samples = np.arange(sample, sample + n, dtype="<f4")[:, None] + 1000 * np.arange(self.channels, dtype="<f4")
             self.socket.send_multipart([b"v_out/np", json.dumps(header).encode(), samples.tobytes()])
         self.send("end", {"run": "r", "samples": self.end, "dropped_frames": 0})
         self.socket.close(linger=2000)
@@ -77,6 +78,12 @@ class Listening(InAFolder):
         self.assertEqual((first.samples[0], second.samples[0], len(second.t)), (0, 100, 100))
         self.assertEqual((first.epoch, second.epoch), (0, 0))
         self.assertFalse(np.shares_memory(first.samples, second.samples))
+
+    def test_a_block_of_an_array_has_all_elements(self):
+        publisher = Publisher([(0, 0, 0, 100)], 100, channels=3)
+        with hertzline.listen(publisher.endpoint) as live:
+            samples = next(live).samples
+        self.assertEqual((samples.shape, samples[7].tolist()), ((100, 3), [7, 1007, 2007]))
 
     def test_gaps_raise(self):
         publisher = Publisher(GAP, 500)

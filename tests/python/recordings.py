@@ -31,6 +31,29 @@ class Recordings(InAFolder):
                     self.assertEqual(loaded.provenance["scene_hash"], r.summary["scene_hash"])
                 self.assertEqual(loaded.gaps, [])
 
+    def test_those_of_an_array_have_each_element_and_point(self):
+        points = [[0, 0, 0.02], [1e-3, 0, 0.02]]
+        scene = hertzline.scene("seven-chains", output={"duration_s": 5e-5, "points_m": points})
+        r = scene.run(taps=["v_out", "p_points", "p_axis"])
+        self.assertEqual((r["v_out"].shape[1], r["p_points"].shape[1], r["p_axis"].ndim), (7, 2, 1))
+        for name in EXACT + ["x.sigmf-meta", "x.sigmf-collection"]:
+            with self.subTest(name):
+                r.save(self.folder / name)
+                loaded = hertzline.load(self.folder / name)
+                for tap in ("v_out", "p_points", "p_axis"):
+                    self.assertTrue(np.array_equal(loaded[tap], r[tap] if name in EXACT else r[tap].astype(np.float32)), tap)
+                self.assertEqual(loaded["p_2_pa"].ndim, 1)
+
+    def test_columns_may_lie_in_any_order(self):
+        rows = "t_s,v1_m_per_s,x1_m,v2_m_per_s,v3_m_per_s\n0,11,101,12,13\n1e-6,21,201,22,23\n2e-6,31,301,32,33\n"
+        (self.folder / "x.csv").write_text(rows)
+        loaded = hertzline.load(self.folder / "x.csv")
+        self.assertEqual(loaded["v_chain"].tolist(), [[11, 12, 13], [21, 22, 23], [31, 32, 33]])
+        self.assertEqual(loaded["v3_m_per_s"].tolist(), [13, 23, 33])
+        self.assertEqual(loaded["x_chain"].tolist(), [[101], [201], [301]])
+        with self.assertRaises(ValueError):
+            loaded["v_chain"][0, 0] = 1
+
     def test_are_those_of_the_program(self):
         program("run", *SHORT, "-o", self.folder / "a.sigmf-meta", "-o", self.folder / "a.h5")
         r = short_scene().run()

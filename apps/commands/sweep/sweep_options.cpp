@@ -12,6 +12,7 @@
 #include "apps/commands/sweep/shard_argument.hpp"
 #include "core/scene/text.hpp"
 #include "measures/tap_names.hpp"
+#include "recordings/drive_record.hpp"
 #include "recordings/files/input_file.hpp"
 #include "recordings/formats/table.hpp"
 #include "recordings/recording_formats.hpp"
@@ -83,7 +84,9 @@ std::optional<ParsedScene> base_scene(const SweepOptions& options, const studies
     return faults.value_of({}, with_first || lacks_these_alone ? std::move(with_first) : std::move(alone));
 }
 
-std::optional<studies::SweepPlan> plan_of(const SweepOptions& options, Faults& faults) {
+/// @param frequency_given whether records that vary leave drive.frequency_hz as it is
+std::optional<studies::SweepPlan> plan_of(const SweepOptions& options, bool& frequency_given,
+                                          Faults& faults) {
     studies::PlanRequest request{options.vary, "", printable(options.points), options.sobol};
     if (!options.points.empty()) {
         auto points = points_text(options.points, faults);
@@ -98,6 +101,7 @@ std::optional<studies::SweepPlan> plan_of(const SweepOptions& options, Faults& f
     }
     auto plan = faults.value_of({}, studies::SweepPlan::make(base->scene, request));
     if (plan) {
+        frequency_given = recordings::gives_frequency(*base) || studies::varies(*plan, "drive.frequency_hz");
         check_set_keys(options, *plan, faults);
     }
     return plan;
@@ -155,7 +159,8 @@ std::optional<ValidatedSweep> validated_sweep(const SweepOptions& options, Fault
     faults.add("--jobs", studies::jobs_fault(jobs_of(options)));
     const auto shard = faults.value_of({}, shard_argument(options.shard));
     faults.add("--band-from", measures::band_from_fault(options.band_from_hz));
-    std::optional<studies::SweepPlan> plan = plan_of(options, faults);
+    studies::PointOptions point_options;
+    std::optional<studies::SweepPlan> plan = plan_of(options, point_options.frequency_given, faults);
     Json records = plan ? studies::varied_records(*plan) : Json();
     std::vector<std::string> inputs = files_of(options.scene);
     inputs.push_back(options.points);
@@ -167,7 +172,6 @@ std::optional<ValidatedSweep> validated_sweep(const SweepOptions& options, Fault
         plan ? studies::summary_of(*plan, measures::measurable_among(options.measures))
              : studies::PlanSummary{};
     const TapSet there = summary.measurable();
-    studies::PointOptions point_options;
     point_options.band_from_hz = options.band_from_hz;
     point_options.measured = measures::taps_named("--measure", options.measures, there, faults);
     if (!options.waveform.empty()) {

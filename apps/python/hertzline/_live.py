@@ -40,7 +40,8 @@ class Block:
     """Consecutive samples of a stream."""
 
     samples: NDArray[np.float32]
-    """In `unit`: shape [sample], [sample, sphere] of v_chain, or [sample, contact] of f_chain."""
+    """In `unit`: shape [sample], [sample, sphere] of v_chain, [sample, contact] of f_chain, [sample, point] of p_points, or
+    [sample, element] of an array's v_out and others."""
     sample: int
     """Index of the first sample since the run's start."""
     fs: float

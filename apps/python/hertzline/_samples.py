@@ -63,10 +63,11 @@ class Samples:
         raise NotImplementedError
 
     def __getitem__(self, name: str) -> Floats:
-        """The samples in the unit of their tap: shape [sample], [sample, sphere] of `v_chain` and `x_chain`, or
-        [sample, contact] of `f_chain`.
+        """The samples in the unit of their tap: shape [sample], [sample, sphere] of `v_chain` and `x_chain`, [sample, contact] of
+        `f_chain`, [sample, point] of `p_points`, or [sample, element] of an array's `v_out` and others.
 
-        Nothing is copied: the array is a view that cannot be written to, and keeps alive what it looks at.
+        Nothing is copied: the array is a view that cannot be written to, and keeps alive what it looks at. (Columns of a foreign
+        recording that lie in no regular order are copied.)
         Raises KeyError for a name that is not among `taps`.
         """
         raise NotImplementedError

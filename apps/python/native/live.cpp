@@ -52,15 +52,18 @@ public:
 
     /// Returns (samples, header's numbers, missing) of the next frame; None at the end. @throws py::error_already_set of a signal handler
     py::object next() {
-        while (!listener_.ended()) {
-            if (stream::ReceivedFrame* frame = frame_or_nothing()) {
+        while (true) {
+            bool ended = false;
+            if (stream::ReceivedFrame* frame = frame_or_nothing(ended)) {
                 return block_of(*frame);
+            }
+            if (ended) {
+                return py::none();
             }
             if (PyErr_CheckSignals() != 0) {
                 throw py::error_already_set();
             }
         }
-        return py::none();
     }
 
     void close() {
@@ -78,17 +81,21 @@ private:
         return options;
     }
 
-    stream::ReceivedFrame* frame_or_nothing() {
+    /// @param ended whether the listener has
+    stream::ReceivedFrame* frame_or_nothing(bool& ended) {
         const py::gil_scoped_release without_python;
         const std::scoped_lock lock(mutex_);
-        return listener_.receive(nap);
+        stream::ReceivedFrame* frame = listener_.ended() ? nullptr : listener_.receive(nap);
+        ended = listener_.ended();
+        return frame;
     }
 
     static py::object block_of(stream::ReceivedFrame& frame) {
         const stream::FrameHeader& header = frame.header;
         std::vector<py::ssize_t> shape{static_cast<py::ssize_t>(header.n)};
-        if (chain_taps.contains(frame.tap)) {
-            shape.push_back(static_cast<py::ssize_t>(header.channels));
+        const auto channels = static_cast<std::size_t>(header.channels);
+        if (has_channels(frame.tap, {.spheres = channels, .points = channels, .elements = channels})) {
+            shape.push_back(static_cast<py::ssize_t>(channels));
         }
         return py::make_tuple(array_of(std::move(frame.values), std::move(shape)), header.sample, header.fs,
                               header.seq, frame.missing, header.unit, header.run, header.epoch, header.burst,

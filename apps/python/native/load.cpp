@@ -73,61 +73,91 @@ std::shared_ptr<Recording> load(const std::string& path, std::optional<double> s
     return recording;
 }
 
-/// Returns the first column of a quantity, and the count of its columns.
-std::pair<std::size_t, std::size_t> columns_of(const Recording& recording, const std::string& quantity) {
+/// Returns the numbers of the columns: of the one of that name, or of all of that quantity.
+std::vector<std::size_t> columns_of(const Recording& recording, const std::string& name) {
     const std::vector<recordings::Column>& columns = recording.head.columns;
-    const auto named = std::ranges::find(columns, quantity, &recordings::Column::name);
+    const auto named = std::ranges::find(columns, name, &recordings::Column::name);
     if (named != columns.end()) {
-        return {static_cast<std::size_t>(named - columns.begin()), 1};
+        return {static_cast<std::size_t>(named - columns.begin())};
     }
-    const auto is_its = [&](const recordings::Column& column) { return column.quantity == quantity; };
-    const auto first = std::ranges::find_if(columns, is_its);
-    return {static_cast<std::size_t>(first - columns.begin()),
-            static_cast<std::size_t>(std::ranges::count_if(columns, is_its))};
-}
-
-/// Returns [sample], or [sample][sphere] or [sample][contact] of a tap of the whole chain.
-/// @param name of a quantity or of a column
-py::array_t<double> samples_of(const std::shared_ptr<Recording>& recording, const std::string& name) {
-    const auto [first, count] = columns_of(*recording, name);
-    const std::vector<recordings::Column>& columns = recording->head.columns;
-    if (count == 0) {
-        throw py::key_error("found \"" + name + "\", which the recording does not hold");
-    }
-    // the columns of several quantities take turns: x1, v1, x2, v2
-    std::size_t apart = 1;
-    while (count > 1 && columns[first + apart].quantity != columns[first].quantity) {
-        ++apart;
-    }
-    const auto width = static_cast<py::ssize_t>(columns.size());
-    const auto rows = static_cast<py::ssize_t>(recording->rows());
-    std::vector<py::ssize_t> shape{rows};
-    std::vector<py::ssize_t> strides{width};
-    if (count > 1 || columns[first].name != name) {
-        const auto tap = tap_named(columns[first].quantity);
-        if (tap && chain_taps.contains(*tap)) {
-            shape.push_back(static_cast<py::ssize_t>(count));
-            strides.push_back(static_cast<py::ssize_t>(apart));
+    std::vector<std::size_t> found;
+    for (std::size_t i = 0; i < columns.size(); ++i) {
+        if (columns[i].quantity == name) {
+            found.push_back(i);
         }
     }
-    return view_of(recording->values.data() + first, shape, py::cast(recording), strides);
+    return found;
+}
+
+/// Returns [sample][column], copied: columns that lie anyhow are no array.
+py::array_t<double> copied(const Recording& recording, const std::vector<std::size_t>& columns) {
+    const std::size_t width = recording.head.columns.size();
+    py::array_t<double> array(
+        {static_cast<py::ssize_t>(recording.rows()), static_cast<py::ssize_t>(columns.size())});
+    double* value = array.mutable_data();
+    for (std::size_t row = 0; row < recording.rows(); ++row) {
+        for (const std::size_t column : columns) {
+            *value++ = recording.values[row * width + column];
+        }
+    }
+    array.attr("setflags")(py::arg("write") = false);
+    return array;
+}
+
+/// Returns [sample], or [sample][channel] of a quantity with several columns, or with one of several.
+/// @param name of a quantity or of a column
+py::array_t<double> samples_of(const std::shared_ptr<Recording>& recording, const std::string& name) {
+    const std::vector<std::size_t> columns = columns_of(*recording, name);
+    if (columns.empty()) {
+        throw py::key_error("found \"" + name + "\", which the recording does not hold");
+    }
+    const std::size_t channels = columns.size();
+    const std::size_t width = recording->head.columns.size();
+    const std::size_t rows = recording->rows();
+    std::vector<py::ssize_t> shape{static_cast<py::ssize_t>(rows)};
+    std::vector<py::ssize_t> strides{static_cast<py::ssize_t>(width)};
+    const auto tap = tap_named(name);
+    if (channels > 1 ||
+        (tap && recording->head.columns[columns[0]].name != name && has_channels(*tap, {1, 1, 1}))) {
+        shape.push_back(static_cast<py::ssize_t>(channels));
+    }
+    // the columns of several quantities may take turns: x1, v1, x2, v2
+    const std::size_t apart = channels > 1 ? columns[1] - columns[0] : 1;
+    for (std::size_t i = 1; i < channels; ++i) {
+        if (columns[i] - columns[i - 1] != apart) {
+            return copied(*recording, columns);
+        }
+    }
+    if (shape.size() > 1) {
+        strides.push_back(static_cast<py::ssize_t>(apart));
+    }
+    return view_of(recording->values.data() + columns[0], shape, py::cast(recording), strides);
 }
 
 using Rows = py::array_t<double, py::array::c_style | py::array::forcecast>;
 
-/// Returns all of a recording for pickle; JSON as text, which keeps every number.
-py::tuple state_of_recording(const std::shared_ptr<Recording>& recording) {
+py::list columns_list(const Recording& recording) {
     py::list columns;
-    for (const recordings::Column& column : recording->head.columns) {
+    for (const recordings::Column& column : recording.head.columns) {
         columns.append(py::make_tuple(column.name, column.quantity, column.unit));
     }
+    return columns;
+}
+
+py::list stretches_list(const Recording& recording) {
     py::list stretches;
-    for (const Stretch& stretch : recording->stretches) {
+    for (const Stretch& stretch : recording.stretches) {
         stretches.append(py::make_tuple(stretch.first, stretch.row));
     }
+    return stretches;
+}
+
+/// Returns all of a recording for pickle; JSON as text, which keeps every number.
+py::tuple state_of_recording(const std::shared_ptr<Recording>& recording) {
     const std::vector<py::ssize_t> shape{static_cast<py::ssize_t>(recording->values.size())};
-    return py::make_tuple(columns, recording->head.sample_rate_hz, json_text(recording->head.provenance),
-                          view_of(recording->values.data(), shape, py::cast(recording)), stretches);
+    return py::make_tuple(
+        columns_list(*recording), recording->head.sample_rate_hz, json_text(recording->head.provenance),
+        view_of(recording->values.data(), shape, py::cast(recording)), stretches_list(*recording));
 }
 
 std::shared_ptr<Recording> restored_recording(const py::tuple& state) {
@@ -154,23 +184,8 @@ void add_load(py::module_& module) {
                                [](const Recording& recording) { return recording.head.sample_rate_hz; })
         .def_property_readonly("rows", &Recording::rows)
         .def_readonly("warnings", &Recording::warnings)
-        .def_property_readonly(
-            "columns",
-            [](const Recording& recording) {
-                py::list columns;
-                for (const recordings::Column& column : recording.head.columns) {
-                    columns.append(py::make_tuple(column.name, column.quantity, column.unit));
-                }
-                return columns;
-            })
-        .def_property_readonly("stretches",
-                               [](const Recording& recording) {
-                                   py::list stretches;
-                                   for (const Stretch& stretch : recording.stretches) {
-                                       stretches.append(py::make_tuple(stretch.first, stretch.row));
-                                   }
-                                   return stretches;
-                               })
+        .def_property_readonly("columns", &columns_list)
+        .def_property_readonly("stretches", &stretches_list)
         .def("provenance",
              [](const Recording& recording) { return python_object(recording.head.provenance); })
         .def("samples", &samples_of, py::arg("name"))
