@@ -17,12 +17,6 @@ namespace {
 /// A share of the horn's velocity; a quieter output has not passed the chain.
 constexpr double silence = 1e-9;
 
-/// Until the end of the first burst, in an array of the last element's.
-double burst_s(const Scene& scene) {
-    const std::vector<double> delays_s = element_delays_s(scene);
-    return scene.drive.start_s + std::ranges::max(delays_s) + burst_duration_s(scene.drive);
-}
-
 /// Rounded up to two digits, so that it can be typed.
 double rounded_up(double value) {
     const double unit = std::pow(10.0, std::floor(std::log10(value)) - 1);
@@ -33,13 +27,10 @@ std::string duration_setting(double seconds) {
     return fmt::format("output.duration_s={:.2g}", rounded_up(seconds));
 }
 
-/// Samples in the burst.
-std::size_t burst_samples(const Scene& scene) {
-    return static_cast<std::size_t>(burst_s(scene) * scene.output.sample_rate_hz);
-}
 /// Whether the record covers two periods after the burst.
 bool shows_ringing(const Scene& scene, std::size_t samples) {
-    return samples >= burst_samples(scene) + 2 * period_samples(scene);
+    const double burst_samples = std::floor(first_burst_end_s(scene) * scene.output.sample_rate_hz);
+    return static_cast<double>(samples) >= burst_samples + 2 * static_cast<double>(period_samples(scene));
 }
 
 /// The largest velocity of the horn or of the spheres that start with one [m/s].
@@ -81,7 +72,7 @@ std::optional<std::string> cut_off(const Scene& scene) {
 
 /// @returns whether a horn's first burst is not over at the end of the run
 bool ends_within_burst(const Scene& scene) {
-    return scene.drive.kind != DriveKind::none && scene.output.duration_s < burst_s(scene);
+    return scene.drive.kind != DriveKind::none && scene.output.duration_s < first_burst_end_s(scene);
 }
 
 }  // namespace
@@ -95,7 +86,8 @@ std::vector<std::string> run_warnings(const Scene& scene) {
         warnings.push_back(
             fmt::format("the run ends at {:g} s, within the burst of {:g} s: peaks and spectrum are those of "
                         "its beginning; {} would hold the burst",
-                        scene.output.duration_s, burst_s(scene), duration_setting(1.5 * burst_s(scene))));
+                        scene.output.duration_s, first_burst_end_s(scene),
+                        duration_setting(1.5 * first_burst_end_s(scene))));
     }
     if (const auto found = cut_off(scene); scene.drive.kind != DriveKind::none && found) {
         warnings.push_back(*found);
@@ -104,7 +96,9 @@ std::vector<std::string> run_warnings(const Scene& scene) {
 }
 
 double burst_shown_ratio(const Scene& scene) {
-    return scene.drive.kind == DriveKind::none ? 1 : std::min(1.0, scene.output.duration_s / burst_s(scene));
+    return scene.drive.kind == DriveKind::none
+               ? 1
+               : std::min(1.0, scene.output.duration_s / first_burst_end_s(scene));
 }
 
 std::optional<double> ringing_ratio(const Scene& scene, std::span<const double> v_out) {

@@ -45,19 +45,6 @@ PlateEnergy sum_of(const PlateEnergy& a, const PlateEnergy& b) {
     return {a.passed + b.passed, a.lost + b.lost, a.held + b.held, a.radiated + b.radiated};
 }
 
-/// Adds the loads of a chain's contacts.
-void add_contacts(Run& run, const Scene& scene, const Chain& chain, const Eigen::ArrayXd& peaks) {
-    add_load(run.load, contact_load(chain, peaks));
-    run.static_pressure_pa =
-        std::max(run.static_pressure_pa, contact_load(chain, chain.static_overlap).pressure_pa);
-    const JudgedContacts judged = judge_contacts(scene, chain, peaks);
-    const std::optional<double> ratio = strength_ratio(judged);
-    if (ratio && !(run.strength_ratio && *ratio <= *run.strength_ratio)) {
-        run.strength_ratio = ratio;
-        run.strength_warning = strength_warning(judged);
-    }
-}
-
 /// Adds the account of a simulation that is over. @param continues the next one continues its motion and ledger, and accounts for
 /// them
 void add_account(Run& run, Simulation& simulation, bool continues) {
@@ -335,6 +322,18 @@ Run simulate(const Resolution& resolved, const RunOptions& options) {
         run.rung_down_s = rung_down_s(run, simulation);
     }
     return run;
+}
+
+void add_contacts(Run& run, const Scene& scene, const Chain& chain, const Eigen::ArrayXd& peaks) {
+    add_load(run.load, contact_load(chain, peaks));
+    run.static_pressure_pa =
+        std::max(run.static_pressure_pa, contact_load(chain, chain.static_overlap).pressure_pa);
+    const JudgedContacts judged = judge_contacts(scene, chain, peaks);
+    const std::optional<double> ratio = strength_ratio(judged);
+    if (ratio && !(run.strength_ratio && *ratio <= *run.strength_ratio)) {
+        run.strength_ratio = ratio;
+        run.strength_warning = strength_warning(judged);
+    }
 }
 
 Run empty_run(Resolution resolved, TapSet measured, const EndModel& end) {

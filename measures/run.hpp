@@ -6,6 +6,7 @@
 #include <optional>
 #include <string>
 
+#include "core/model/chain.hpp"
 #include "core/model/end.hpp"
 #include "hertzline/run.hpp"
 
@@ -46,6 +47,10 @@ std::optional<std::string> band_from_fault(std::optional<double> from_hz);
 
 /// Simulates a scene: all of run() but measure() (measures/measuring.hpp). @throws as run()
 Run simulate(const Resolution& resolved, const RunOptions& options);
+
+/// Adds the loads of a chain's contacts to the largest ones, and judges them. @param scene of the chain, an element of an array
+/// @param peaks largest overlaps [m]
+void add_contacts(Run& run, const Scene& scene, const Chain& chain, const Eigen::ArrayXd& peaks);
 
 /// A run of a simulation without samples yet, with room for all of them.
 Run empty_run(Resolution resolved, TapSet measured, const EndModel& end);

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <numbers>
 #include <optional>
+#include <type_traits>
 #include <utility>
 
 #include <fmt/format.h>
@@ -18,10 +19,12 @@
 #include "core/model/sphere_row.hpp"
 #include "core/model/strength.hpp"
 #include "core/model/validity.hpp"
+#include "core/scene/elements.hpp"
 #include "core/scene/json.hpp"
 #include "core/scene/scene_words.hpp"
 #include "core/step_choice/step_advice.hpp"
 #include "hertzline/simulation.hpp"
+#include "measures/run.hpp"
 
 namespace hertzline::measures {
 
@@ -301,15 +304,13 @@ void add_step(Report& report, const Resolution& resolved) {
 }  // namespace
 
 double first_burst_s(const Scene& scene) {
-    const Drive& drive = scene.drive;
-    const double start_s = drive.kind == DriveKind::live ? 0 : drive.start_s;
-    return 1.5 * (start_s + burst_duration_s(drive));
+    return 1.5 * first_burst_end_s(as_declared(scene));
 }
 
-std::optional<Eigen::ArrayXd> peak_overlaps(const Scene& scene, double duration_s) {
+std::optional<PeakOverlaps> peak_overlaps(const Scene& scene, double duration_s) {
     constexpr double max_body_steps = 3e7;
-    const double body_steps = duration_s / *scene.numerics.step_s * static_cast<double>(scene.chain.spheres);
-    if (body_steps > max_body_steps) {
+    const double bodies = static_cast<double>(scene.chain.spheres) * static_cast<double>(chains_of(scene));
+    if (duration_s / *scene.numerics.step_s * bodies > max_body_steps) {
         return std::nullopt;
     }
     Simulation simulation(as_declared(scene));
@@ -317,32 +318,42 @@ std::optional<Eigen::ArrayXd> peak_overlaps(const Scene& scene, double duration_
     if (simulation.skip(static_cast<std::int64_t>(samples)) != Status::running) {
         return std::nullopt;
     }
-    return simulation.state().peak_overlap;
+    PeakOverlaps peaks;
+    for (std::size_t element = 0; element < simulation.elements(); ++element) {
+        peaks.push_back(simulation.state(element).peak_overlap);
+    }
+    return peaks;
 }
 
-std::vector<std::string> contact_warnings(const Scene& scene, const std::optional<Eigen::ArrayXd>& peaks) {
-    const Chain chain(scene);
-    const Eigen::ArrayXd& overlaps = peaks ? *peaks : chain.static_overlap;
+std::vector<std::string> contact_warnings(const Scene& scene, const std::optional<PeakOverlaps>& peaks) {
+    Run run;
+    for (std::size_t element = 0; element < chains_of(scene); ++element) {
+        const Scene one = element_scene(scene, element);
+        const Chain chain(one);
+        add_contacts(run, one, chain, peaks ? (*peaks)[element] : chain.static_overlap);
+    }
     std::vector<std::string> warnings;
     if (peaks) {  // overlaps at rest are checked with the scene
-        warnings = validity_warnings(contact_load(chain, overlaps));
+        warnings = validity_warnings(run.load);
     }
-    if (auto beyond = strength_warning(judge_contacts(scene, chain, overlaps))) {
-        warnings.push_back(*std::move(beyond));
+    if (run.strength_warning) {
+        warnings.push_back(*run.strength_warning);
     }
     return warnings;
 }
 
-std::vector<ReportRow> scene_report(const Resolution& resolved, const std::optional<Eigen::ArrayXd>& peaks) {
+std::vector<ReportRow> scene_report(const Resolution& resolved, const std::optional<PeakOverlaps>& peaks) {
     const Scene& scene = resolved.scene;
-    const Chain chain(scene);
+    const Scene first = element_scene(scene, 0);
+    const Chain chain(first);
+    const std::optional<Eigen::ArrayXd> first_peaks = peaks ? std::optional(peaks->front()) : std::nullopt;
     Report report;
-    add_spheres(report, scene, chain);
-    add_contacts(report, scene, chain, peaks);
+    add_spheres(report, first, chain);
+    add_contacts(report, first, chain, first_peaks);
     add_end(report, scene, chain);
     add_record(report, scene.drive);
     add_live_drive(report, scene);
-    add_time_scales(report, scene, chain, peaks);
+    add_time_scales(report, scene, chain, first_peaks);
     add_accuracy(report, resolved);
     add_step(report, resolved);
     return report;
@@ -354,16 +365,16 @@ Value report_count(double number) {
 }
 
 Json report_json(std::span<const ReportRow> report) {
-    struct Converted {
-        Json operator()(std::monostate) const { return nullptr; }
-        Json operator()(bool yes) const { return yes; }
-        Json operator()(const std::string& text) const { return text; }
-        Json operator()(std::int64_t number) const { return number; }
-        Json operator()(double number) const { return number; }
+    const auto converted = []<class T>(const T& value) -> Json {
+        if constexpr (std::is_same_v<T, std::monostate>) {
+            return nullptr;
+        } else {
+            return value;
+        }
     };
     Json json;
     for (const ReportRow& row : report) {
-        json[row.name] = std::visit(Converted{}, row.value);
+        json[row.name] = std::visit(converted, row.value);
     }
     return json;
 }

@@ -29,16 +29,19 @@ struct ReportRow {
 /// The first burst and half as long again [s].
 double first_burst_s(const Scene& scene);
 
-/// Returns the largest overlaps of the contacts over a time [m]; nothing when that takes too many steps, or fails.
-/// Simulates them. @param scene is resolved
-std::optional<Eigen::ArrayXd> peak_overlaps(const Scene& scene, double duration_s);
+/// The largest overlaps of the contacts [m], of each element of an array.
+using PeakOverlaps = std::vector<Eigen::ArrayXd>;
+
+/// Returns the largest overlaps over a time; nothing when that takes too many steps, or fails. Simulates them.
+/// @param scene is resolved
+std::optional<PeakOverlaps> peak_overlaps(const Scene& scene, double duration_s);
 
 /// Returns warnings at these overlaps, of contacts that are pressed too deep, or harder than their materials bear; at
 /// rest where overlaps are not known.
-std::vector<std::string> contact_warnings(const Scene& scene, const std::optional<Eigen::ArrayXd>& peaks);
+std::vector<std::string> contact_warnings(const Scene& scene, const std::optional<PeakOverlaps>& peaks);
 
 /// In the order in which they are best read. @param peaks overlaps at their largest [m], where they are known
-std::vector<ReportRow> scene_report(const Resolution& resolved, const std::optional<Eigen::ArrayXd>& peaks);
+std::vector<ReportRow> scene_report(const Resolution& resolved, const std::optional<PeakOverlaps>& peaks);
 
 /// A whole number, or a floating-point number beyond its range.
 decltype(ReportRow::value) report_count(double number);

@@ -7,6 +7,7 @@
 #include "core/model/horn.hpp"
 #include "core/model/reconstruction.hpp"
 #include "core/model/sampled_motion.hpp"
+#include "core/scene/elements.hpp"
 #include "core/scene/text.hpp"
 #include "hertzline/taps.hpp"
 
@@ -15,6 +16,10 @@ namespace hertzline {
 double burst_duration_s(const Drive& drive) {
     return has_samples(drive) ? SampledMotion::of(drive)->facts().duration_s
                               : drive.cycles / drive.frequency_hz;
+}
+
+double first_burst_end_s(const Scene& scene) {
+    return scene.drive.start_s + std::ranges::max(element_delays_s(scene)) + burst_duration_s(scene.drive);
 }
 
 double highest_frequency_hz(const Drive& drive) {

@@ -10,6 +10,9 @@ namespace hertzline {
 /// How long a burst, or the record of a file, lasts [s].
 double burst_duration_s(const Drive& drive);
 
+/// When the first burst is over, in an array that of the last element [s]. @param scene has passed validate()
+double first_burst_end_s(const Scene& scene);
+
 /// The highest frequency of the tone, at its start or at the end of its sweep; of a record
 /// that of its velocities on average [Hz].
 double highest_frequency_hz(const Drive& drive);

@@ -41,13 +41,10 @@ std::vector<DistinctChain> distinct_chains(const Scene& scene) {
 
 /// Over which a stream is judged: the latest burst and its sound, and a second period where there is one.
 double judged_s(const Scene& scene) {
-    const std::vector<double> delays = element_delays_s(scene);
     const double ring_s = 300e-6;
-    const double once = scene.drive.start_s + *std::max_element(delays.begin(), delays.end()) +
-                        burst_duration_s(scene.drive) + ring_s;
     return scene.drive.kind == DriveKind::tone && scene.drive.repetition_hz > 0
                ? 2 / scene.drive.repetition_hz
-               : once;
+               : first_burst_end_s(scene) + ring_s;
 }
 
 /// As many poles as let the discs answer each other as exactly as is wanted.

@@ -17,6 +17,7 @@
 #include <mutex>
 #include <utility>
 
+#include "core/model/drive.hpp"
 #include "hertzline/simulation.hpp"
 
 namespace hertzline::stream {
@@ -24,11 +25,14 @@ namespace hertzline::stream {
 /// A simulation that is to follow the present one.
 struct NextSimulation {
     NextSimulation(const Scene& scene, SimulationOptions options, bool motion_goes_on)
-        : simulation(scene, watching(std::move(options), stop)), goes_on(motion_goes_on) {}
+        : simulation(scene, watching(std::move(options), stop)),
+          burst_end_s(first_burst_end_s(scene)),
+          goes_on(motion_goes_on) {}
 
     std::atomic<bool> stop{false};  ///< ends its samples within a few steps
     Simulation simulation;
-    bool goes_on;  ///< it continues the motion of the one before
+    double burst_end_s;  ///< in each period of the bursts; a record's is not looked up while samples are due
+    bool goes_on;        ///< it continues the motion of the one before
 
 private:
     static SimulationOptions watching(SimulationOptions options, const std::atomic<bool>& stop) noexcept {

@@ -129,7 +129,7 @@ SourceAccount SimulationSource::account() noexcept {
             .energy_residual = std::max(before_.energy_residual, current_->simulation.energy_residual())};
 }
 
-std::int64_t SimulationSource::change_at(const Epoch& epoch, double burst_s, double sample_rate_hz,
+std::int64_t SimulationSource::change_at(const Epoch& epoch, double burst_end_s, double sample_rate_hz,
                                          std::int64_t from) noexcept {
     const Bursts bursts(sample_rate_hz, epoch.repetition_hz);
     const std::int64_t since = from - epoch.first_sample;
@@ -146,7 +146,7 @@ std::int64_t SimulationSource::change_at(const Epoch& epoch, double burst_s, dou
         static_cast<double>(next - since) <= second) {
         return epoch.first_sample + next;
     }
-    const double left = burst_s * sample_rate_hz + 1 - static_cast<double>(place.sample);
+    const double left = burst_end_s * sample_rate_hz + 1 - static_cast<double>(place.sample);
     return from + (left > 0 && left <= second ? static_cast<std::int64_t>(std::ceil(left)) : 0);
 }
 
@@ -155,8 +155,7 @@ void SimulationSource::take_up() noexcept {
     if (next_) {
         // not at sample 0, so that every run has a beginning that its first scene describes
         const auto first = std::max<std::int64_t>({1, next_sample(), now().first_open_sample()});
-        const Drive& drive = now().scene().drive;
-        change_at_ = change_at(epoch_, burst_duration_s(drive), format_.sample_rate_hz, first);
+        change_at_ = change_at(epoch_, current_->burst_end_s, format_.sample_rate_hz, first);
         if (next_->goes_on) {
             current_->simulation.end_at(change_at_);
         }

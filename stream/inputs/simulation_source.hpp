@@ -47,8 +47,8 @@ public:
 
     /// The sample at which a change takes effect that becomes known now: the next burst's start if that is no more than a second away;
     /// else the end of the burst that plays, on the same condition; else at once. At once also where bursts do not repeat.
-    /// @param burst_s length of a burst @param from the first sample that it can be
-    static std::int64_t change_at(const Epoch& epoch, double burst_s, double sample_rate_hz,
+    /// @param burst_end_s when a burst is over, since its period's start @param from the first sample that it can be
+    static std::int64_t change_at(const Epoch& epoch, double burst_end_s, double sample_rate_hz,
                                   std::int64_t from) noexcept;
 
     /// The fault of a scene with more points than a stream has time for.

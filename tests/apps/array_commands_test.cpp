@@ -2,6 +2,7 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
 
 #include "tests/apps/program.hpp"
 #include "tests/support/files.hpp"
@@ -10,6 +11,7 @@
 namespace hertzline::test {
 namespace {
 
+using nlohmann::json;
 using testing::HasSubstr;
 using testing::StartsWith;
 
@@ -49,6 +51,22 @@ TEST(ArrayCommands, CheckGivesNoStableStepThatItHasNotMeasured) {
     ASSERT_EQ(check.status, 0) << check.err;
     EXPECT_TRUE(check.json().contains("step_s"));
     EXPECT_FALSE(check.json().contains("largest_stable_step_s"));
+}
+
+TEST(ArrayCommands, CheckJudgesTheElementsThatThereAre) {
+    const auto checked = [](const std::string& setting) {
+        return hertzline(on_an_array({"check", "wet-vitreous-carbon", "--json"}, {"--set", setting})).json();
+    };
+    const json steel = checked("chain.material=steel");
+    const json steel_elements = checked("array.materials=[steel]");
+    for (const char* name : {"sphere_mass_kg", "horn_contact_stiffness_n_per_m1_5",
+                             "sphere_contact_peak_pressure_pa", "fastest_static_hz"}) {
+        EXPECT_EQ(steel_elements[name], steel[name]) << name;
+    }
+    EXPECT_NE(steel["sphere_mass_kg"], checked("chain.tolerance=0")["sphere_mass_kg"]);
+    const Words last{"--set", "array.preloads_n=[0.1,0.1,60]"};
+    EXPECT_THAT(hertzline(on_an_array({"check", "wet-vitreous-carbon"}, last)).err,
+                testing::ContainsRegex("contacts press harder .*sphere - sphere [0-9]{4,} MPa at rest"));
 }
 
 TEST(ArrayCommands, OutputsOfEachSphereAreRefused) {

@@ -1,9 +1,11 @@
 // A horn that moves as a record does, by the commands: formats, recordings that need no other file, sweeps, pictures.
 
 #include <filesystem>
+#include <sstream>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
 
 #include "tests/apps/program.hpp"
 #include "tests/support/files.hpp"
@@ -12,6 +14,7 @@
 namespace hertzline::test {
 namespace {
 
+using nlohmann::json;
 using testing::AllOf;
 using testing::HasSubstr;
 using testing::Not;

@@ -169,9 +169,10 @@ TEST(SceneControl, WithoutRepetitionAChangeFiresABurstAtOnce) {
 
 TEST(SceneControl, NoChangeWaitsForMoreThanASecond) {
     const Epoch rare{.repetition_hz = 0.01};
-    EXPECT_EQ(SimulationSource::change_at(rare, 3e-4, 1e6, 5000), 5000);  // the horn rests
-    EXPECT_EQ(SimulationSource::change_at(rare, 3e-4, 1e6, 100), 301);    // it plays
-    EXPECT_EQ(SimulationSource::change_at(rare, 20, 1e6, 100), 100);      // for long
+    EXPECT_EQ(SimulationSource::change_at(rare, 3e-4, 1e6, 5000), 5000);              // the horn rests
+    EXPECT_EQ(SimulationSource::change_at(rare, 3e-4, 1e6, 100), 301);                // it plays
+    EXPECT_EQ(SimulationSource::change_at(rare, 20, 1e6, 100), 100);                  // for long
+    EXPECT_EQ(SimulationSource::change_at(rare, 0.5 + 3e-4, 1e6, 500'100), 500'301);  // it began late
     EXPECT_EQ(SimulationSource::change_at(rare, 3e-4, 1e6, 99'500'000),
               100'000'000);  // the next burst is near
     EXPECT_EQ(SimulationSource::change_at({.repetition_hz = 1e-9}, 3e-4, 1e6, 5000), 5000);
