@@ -73,7 +73,7 @@ void RecordingSet::write(std::int64_t first, std::vector<double> values) {
             conclude(i);
             continue;
         }
-        if (status_[i].missing == 0) {
+        if (status_[i].missing == 0 && !threads_[i]->failed()) {
             report_(fmt::format("recording {} is too slow: samples are left out of it", status_[i].file));
         }
         status_[i].missing += static_cast<std::int64_t>(rows->values.size() / columns_);

@@ -167,6 +167,11 @@ bool RecordingThread::wait_for_end(Duration most) {
     return shared_->done.wait_for(lock, most, [&] { return shared_->over; });
 }
 
+bool RecordingThread::failed() const {
+    const std::scoped_lock lock(shared_->mutex);
+    return !shared_->result.failure.empty();
+}
+
 bool RecordingThread::over() const {
     const std::scoped_lock lock(shared_->mutex);
     return shared_->over;

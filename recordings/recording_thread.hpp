@@ -55,6 +55,8 @@ public:
     bool wait_for_end(Duration most);
 
     bool over() const;
+    /// Whether the writer has failed; it is over soon.
+    bool failed() const;
     /// Returns the outcome, once it is over.
     RecordingResult result() const;
     /// Numbers that the writer has taken so far.

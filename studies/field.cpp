@@ -8,6 +8,7 @@
 #include <mutex>
 #include <numeric>
 #include <stdexcept>
+#include <system_error>
 #include <thread>
 
 #include <fmt/format.h>
@@ -207,16 +208,23 @@ void run_field(const Scene& scene, int jobs, const std::atomic<bool>& stop,
     {
         std::vector<std::jthread> threads;
         threads.reserve(static_cast<std::size_t>(jobs));
-        for (int i = 0; i < jobs; ++i) {
-            threads.emplace_back([&] {
-                try {
-                    work();
-                } catch (...) {
-                    const std::scoped_lock lock(mutex);
-                    failure = failure ? failure : std::current_exception();
-                    failed = true;
-                }
-            });
+        const auto work_or_fail = [&] {
+            try {
+                work();
+            } catch (...) {
+                const std::scoped_lock lock(mutex);
+                failure = failure ? failure : std::current_exception();
+                failed = true;
+            }
+        };
+        try {
+            for (int i = 0; i < jobs; ++i) {
+                threads.emplace_back(work_or_fail);
+            }
+        } catch (const std::system_error&) {
+            if (threads.empty()) {
+                throw;
+            }  // else those that there are do all the work
         }
     }
     if (failure) {

@@ -1,5 +1,7 @@
 #include "core/array/team.hpp"
 
+#include <system_error>
+
 namespace hertzline {
 
 namespace {
@@ -20,8 +22,13 @@ void wait_for_change(const std::atomic<Value>& value, Value from) noexcept {
 }  // namespace
 
 Team::Team(std::size_t threads) {
-    for (std::size_t thread = 1; thread < threads; ++thread) {
-        threads_.emplace_back([this, thread] { serve(thread); });
+    threads_.reserve(threads - 1);
+    try {
+        for (std::size_t thread = 1; thread < threads; ++thread) {
+            threads_.emplace_back([this, thread] { serve(thread); });
+        }
+    } catch (const std::system_error&) {
+        return;  // the machine gives no more of them: those that there are do all the work
     }
 }
 

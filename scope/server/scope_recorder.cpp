@@ -10,6 +10,7 @@
 #include <fmt/chrono.h>
 #include <fmt/format.h>
 
+#include "core/scene/json.hpp"
 #include "measures/provenance.hpp"
 #include "recordings/columns.hpp"
 
@@ -23,6 +24,11 @@ std::string new_name(std::string_view stream) {
     const auto now = std::chrono::system_clock::now();
     return fmt::format("scope-{}-{:%Y%m%dT%H%M%SZ}", stream,
                        fmt::gmtime(std::chrono::system_clock::to_time_t(now)));
+}
+
+/// 0 where it is missing.
+std::int64_t epoch_of(const Json& json) {
+    return OutsideJson(json).count("epoch").value_or(0);
 }
 
 }  // namespace
@@ -98,11 +104,18 @@ void ScopeRecorder::take(stream::RunReceiver& run, const stream::ReceivedFrame& 
             text_ = error.what();
             return;
         }
+        known_epoch_ = epoch_of(head.provenance);
+        for (const Json& change : OutsideJson(head.provenance).at("changes")) {
+            known_epoch_ = std::max(known_epoch_, epoch_of(change));
+        }
         text_ = "recording";
     } else {
         missing_ += frame.missing;
         for (const Json& change : changes) {
-            set_->note_change(change);
+            if (const std::int64_t epoch = epoch_of(change); epoch > known_epoch_) {
+                set_->note_change(change);
+                known_epoch_ = epoch;
+            }
         }
     }
     set_->write(static_cast<std::int64_t>(frame.header.sample), {frame.values.begin(), frame.values.end()});

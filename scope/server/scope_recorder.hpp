@@ -48,6 +48,7 @@ private:
     std::string run_;
     std::string text_;
     std::int64_t samples_ = 0;
+    std::int64_t known_epoch_ = 0;  // of the latest change that the recording has
     std::uint64_t missing_ = 0;
     std::unique_ptr<recordings::RecordingSet> set_;
 };

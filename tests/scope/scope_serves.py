@@ -523,6 +523,12 @@ def a_turned_knob_is_seen_from_its_sample_on(stand):
         page.say({"undo": True})
         undone = page.text(lambda m: "replies" in m)["replies"][0]["answer"]
         assert page.picture(condition=lambda p: p.trigger >= undone["applies_at_sample"]).epoch == 2
+        page.say({"record": {"stream": "v_last", "ending": "sigmf-meta"}})  # the scope begins to listen to it
+        page.text(lambda m: "recording" in m and m["recording"]["samples"] > 4_000_000)  # meta comes every second
+        page.say({"record": None})
+        recorded = page.text(lambda m: "recording" in m and not m["recording"]["on"])["recording"]["file"]
+        changes = json.loads(pathlib.Path(recorded).read_text())["global"]["hertzline:changes"]
+        assert [change["epoch"] for change in changes] == [1, 2], "each change once"
     change = {"sample": answer["applies_at_sample"], "set": {"drive.amplitude_m": 1.5e-6}}
     (stand.folder / "changes.json").write_text(json.dumps([change]))
     end = picture.first + picture.samples
