@@ -30,7 +30,6 @@ struct Shard {
     std::int64_t part = 1;
     std::int64_t parts = 1;
 
-    bool has(std::int64_t point) const noexcept { return point % parts == part - 1; }
     bool operator==(const Shard&) const = default;
 };
 

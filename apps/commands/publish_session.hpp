@@ -49,14 +49,11 @@ std::string local_endpoint(std::string endpoint);
 double stream_bytes(const stream::StreamFormat& format, stream::Pace pace,
                     const stream::PublisherOptions& options) noexcept;
 
-/// See StreamEvents.
-using EpochBegins = std::function<Json(const Epoch&)>;
-
 /// The caller's callbacks.
 struct PublishedSource {
     std::function<void(Json&, const stream::StreamMeters&)> add_to_summary;
     std::function<Json(const MotionExtremes&)> watch = {};  ///< as in StreamEvents
-    EpochBegins epoch_begins = {};                          ///< as in StreamEvents
+    std::function<Json(const Epoch&)> epoch_begins = {};    ///< as in StreamEvents
     std::int64_t first_sample = 0;                          ///< from which the summary counts samples
 };
 

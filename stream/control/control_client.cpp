@@ -18,10 +18,6 @@ namespace hertzline::stream {
 
 namespace {
 
-constexpr int what_becomes_of_the_connection =
-    ZMQ_EVENT_CONNECTED | ZMQ_EVENT_HANDSHAKE_SUCCEEDED | ZMQ_EVENT_HANDSHAKE_FAILED_NO_DETAIL |
-    ZMQ_EVENT_HANDSHAKE_FAILED_PROTOCOL | ZMQ_EVENT_HANDSHAKE_FAILED_AUTH | ZMQ_EVENT_DISCONNECTED;
-
 /// The connection of a controller that waits for its reply.
 class Connection {
 public:
@@ -85,7 +81,7 @@ zmq::socket_t control_socket(zmq::context_t& context, const std::string& endpoin
     socket.set(zmq::sockopt::maxmsgsize, longest_reply);
     socket.set(zmq::sockopt::ipv6, reached_over_ipv6(endpoint).value_or(false));
     if (monitor != nullptr) {
-        monitor->emplace(context, socket, what_becomes_of_the_connection);
+        monitor->emplace(context, socket, ZMQ_EVENT_CONNECTED | handshake_events);
     }
     try {
         socket.connect(endpoint);

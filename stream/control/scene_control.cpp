@@ -31,7 +31,7 @@ constexpr int low_priority = 5;
 constexpr std::chrono::milliseconds between_glances{10};
 constexpr int most_glances = 30;
 
-// A present epoch that stands for so long is given up for the next one.
+// A simulation that gives nothing for so long is given up for the next one.
 constexpr std::chrono::seconds patience{1};
 constexpr std::chrono::nanoseconds longest_look =
     std::chrono::milliseconds(100);  // the process may be stopped
@@ -119,7 +119,7 @@ void SceneControl::get(const Json& keys, const Reply& reply) const {
 
 void SceneControl::tick() {
     source_.hand_over().idle();  // frees the replaced simulation
-    give_up_what_stands();
+    replace_stalled_simulation();
     if (job_) {
         proceed();
     }
@@ -129,17 +129,17 @@ void SceneControl::tick() {
 }
 
 /// A block that takes so long holds up the change that is to follow it, perhaps for ever.
-void SceneControl::give_up_what_stands() {
+void SceneControl::replace_stalled_simulation() {
     const auto now = std::chrono::steady_clock::now();
     const std::uint64_t progress = source_.progress();
-    const bool stands = progress % 2 == 1 && progress == progress_seen_;
-    stood_ = stands ? stood_ + std::min<std::chrono::nanoseconds>(now - looked_at_, longest_look)
-                    : std::chrono::nanoseconds{0};
+    const bool stalled = progress % 2 == 1 && progress == progress_seen_;
+    stalled_for_ = stalled ? stalled_for_ + std::min<std::chrono::nanoseconds>(now - looked_at_, longest_look)
+                           : std::chrono::nanoseconds{0};
     progress_seen_ = progress;
     looked_at_ = now;
-    if (stood_ >= patience && !source_.hand_over().idle()) {
+    if (stalled_for_ >= patience && !source_.hand_over().idle()) {
         source_.hand_over().give_up();
-        stood_ = {};
+        stalled_for_ = {};
     }
 }
 

@@ -105,7 +105,7 @@ private:
     void begin();
     std::optional<Json> merge(Scene& scene, std::vector<Request>& requests);
     void start(Scene requested, Json asked, bool undo, std::vector<Request> requests);
-    void give_up_what_stands();
+    void replace_stalled_simulation();
     static void prepare(Job& job);
     static void prepare_or_explain(Job& job) noexcept;
     void proceed();
@@ -126,7 +126,7 @@ private:
     std::shared_ptr<Job> job_;
     std::uint64_t progress_seen_ = 0;  // of the source
     std::chrono::steady_clock::time_point looked_at_{};
-    std::chrono::nanoseconds stood_{0};
+    std::chrono::nanoseconds stalled_for_{0};
     std::mutex mutex_;  // of the epochs
     std::deque<EpochOfChange> epochs_;
 };

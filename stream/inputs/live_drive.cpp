@@ -195,14 +195,14 @@ void LiveDrive::take(std::span<const zmq::message_t> parts) {
     const auto read = messages_.read(parts);
     if (!read) {
         refused_.fetch_add(1, std::memory_order_relaxed);
-        warn_once(told_of_refused_, "the drive: " + printable(read.error(), 300) +
-                                        "; the message is left out, as further ones, which are counted in "
-                                        "drive_refused");
+        warn_once(warned_of_refused_, "the drive: " + printable(read.error(), 300) +
+                                          "; the message is left out, as further ones, which are counted in "
+                                          "drive_refused");
         return;
     }
     if (read->lost > 0) {
         lost_.fetch_add(read->lost, std::memory_order_relaxed);
-        warn_once(told_of_lost_,
+        warn_once(warned_of_lost_,
                   fmt::format("the drive: {} samples were lost on the way; {}, and they are "
                               "counted in drive_lost",
                               read->lost,
@@ -218,7 +218,7 @@ void LiveDrive::take(std::span<const zmq::message_t> parts) {
 void LiveDrive::warn_of_size() {
     const bool velocity = drive_.quantity == DriveQuantity::velocity;
     const double suspicious = velocity ? 100 : 1e-3;
-    if (told_of_size_) {
+    if (warned_of_size_) {
         return;
     }
     double largest = 0;
@@ -228,7 +228,7 @@ void LiveDrive::warn_of_size() {
     largest *= std::abs(drive_.scale.value_or(1));
     if (largest >= suspicious) {
         warn_once(
-            told_of_size_,
+            warned_of_size_,
             fmt::format(
                 "the drive: a sample of {:g} {}; were {} (drive.scale), or a {} (drive.quantity), meant?",
                 largest, velocity ? "m/s" : "m", velocity ? "millimetres a second" : "micrometres",
@@ -244,10 +244,10 @@ void LiveDrive::warn_of_silence() {
     }
     if (!begun_) {
         warn_once(
-            told_of_silence_,
+            warned_of_silence_,
             fmt::format("the drive: no samples have come to {} yet, for which the stream waits", endpoint_));
     } else if (drive_.on_underrun == OnUnderrun::wait) {
-        warn_once(told_of_pause_,
+        warn_once(warned_of_pause_,
                   fmt::format("the drive: no samples have come to {} for 2 s, the stream waits for more",
                               endpoint_));
     }
@@ -279,7 +279,7 @@ void LiveDrive::fill_underrun() {
     if (due >= static_cast<double>(received_) + 1) {
         const std::uint64_t missing = static_cast<std::uint64_t>(due) - received_;
         underruns_.fetch_add(1, std::memory_order_relaxed);
-        warn_once(told_of_underruns_,
+        warn_once(warned_of_underruns_,
                   fmt::format("the drive: samples came too late, and 0 took the place of {}; "
                               "further ones are counted in drive_underruns and drive_zeros",
                               missing));

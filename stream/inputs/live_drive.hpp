@@ -103,12 +103,12 @@ private:
     Nanoseconds first_at_{
         0};  ///< when the first sample came, or would have, if the last one that was late was not
     std::uint64_t received_ = 0;
-    bool told_of_refused_ = false;
-    bool told_of_size_ = false;
-    bool told_of_silence_ = false;
-    bool told_of_pause_ = false;
-    bool told_of_lost_ = false;
-    bool told_of_underruns_ = false;
+    bool warned_of_refused_ = false;
+    bool warned_of_size_ = false;
+    bool warned_of_silence_ = false;
+    bool warned_of_pause_ = false;
+    bool warned_of_lost_ = false;
+    bool warned_of_underruns_ = false;
 
     Sleeper filling_;   ///< the simulating thread waits here
     Sleeper emptying_;  ///< the driving thread waits here

@@ -181,8 +181,8 @@ void Pipeline::judge_load(const Block& block, Nanoseconds lateness) {
         return;
     }
     shedder_.judge(demand_.taken(), lateness, block.dropped, MonotonicClock::now());
-    if (const TapSet shed = shedder_.shed(); !shed.empty() && !told_of_shedding_) {
-        told_of_shedding_ = true;
+    if (const TapSet shed = shedder_.shed(); !shed.empty() && !warned_of_shedding_) {
+        warned_of_shedding_ = true;
         events_->warn(
             fmt::format("there is not time for all streams that subscribers want: frames of the largest are "
                         "left out, first of {0}, "
@@ -225,8 +225,8 @@ void Pipeline::listen_for_subscriptions() {
     if (news > 0) {
         send_meta();
     }
-    if (!told_of_too_many_clients_ && publisher_.has_had_too_many_clients()) {
-        told_of_too_many_clients_ = true;
+    if (!warned_of_too_many_clients_ && publisher_.has_had_too_many_clients()) {
+        warned_of_too_many_clients_ = true;
         events_->warn("more than " + std::to_string(publisher_.max_clients()) +
                       " clients want to be connected (--max-clients): those without a subscription, then "
                       "the latest are disconnected until others leave");

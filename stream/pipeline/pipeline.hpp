@@ -105,8 +105,8 @@ private:
     std::optional<Nanoseconds> start_time_;
     std::optional<Nanoseconds> first_subscription_;
     Nanoseconds listened_{0};  // for subscriptions
-    bool told_of_too_many_clients_ = false;
-    bool told_of_shedding_ = false;
+    bool warned_of_too_many_clients_ = false;
+    bool warned_of_shedding_ = false;
     Nanoseconds next_meters_{0};
     Nanoseconds next_meta_{0};
 };

@@ -32,6 +32,11 @@ struct SocketEvent {
     std::uint32_t value = 0;
 };
 
+/// The events that show whether a connection lasts.
+inline constexpr int handshake_events = ZMQ_EVENT_HANDSHAKE_SUCCEEDED | ZMQ_EVENT_HANDSHAKE_FAILED_NO_DETAIL |
+                                        ZMQ_EVENT_HANDSHAKE_FAILED_PROTOCOL |
+                                        ZMQ_EVENT_HANDSHAKE_FAILED_AUTH | ZMQ_EVENT_DISCONNECTED;
+
 /// Receives the events of one socket. Destroyed before it.
 class SocketMonitor {
 public:

@@ -16,10 +16,6 @@ namespace {
 
 constexpr std::chrono::hours longest{24};  // milliseconds::max() would overflow the clock
 
-constexpr int what_becomes_of_connections =
-    ZMQ_EVENT_HANDSHAKE_SUCCEEDED | ZMQ_EVENT_HANDSHAKE_FAILED_NO_DETAIL |
-    ZMQ_EVENT_HANDSHAKE_FAILED_PROTOCOL | ZMQ_EVENT_HANDSHAKE_FAILED_AUTH | ZMQ_EVENT_DISCONNECTED;
-
 /// Returns the user's message for a monitor's event of a failed handshake.
 Refusal refusal_of(int event, std::uint32_t value) {
     if (event == ZMQ_EVENT_HANDSHAKE_FAILED_AUTH) {
@@ -49,7 +45,7 @@ std::span<const std::byte> Message::bytes(std::size_t i) const noexcept {
 }
 
 Subscriber::Subscriber(const std::string& endpoint, const SubscriberOptions& options)
-    : socket_(context_, zmq::socket_type::sub), connections_(context_, socket_, what_becomes_of_connections) {
+    : socket_(context_, zmq::socket_type::sub), connections_(context_, socket_, handshake_events) {
     if (const auto fault = endpoint_fault(endpoint, EndpointUse::connect)) {
         throw std::runtime_error(*fault);
     }

@@ -3,6 +3,7 @@
 #include "measures/run.hpp"
 
 #include <algorithm>
+#include <chrono>
 #include <memory>
 #include <optional>
 #include <string>
@@ -30,11 +31,12 @@
 #include "recordings/formats/table.hpp"
 #include "recordings/named_scene.hpp"
 #include "recordings/recording_formats.hpp"
-#include "stream/pipeline/pacer.hpp"
 
 namespace hertzline::app {
 
 namespace {
+
+using Clock = std::chrono::steady_clock;
 
 constexpr const char* examples =
     "wall_s and real_time_factor measure the simulation alone: no choice of the step, no files, no "
@@ -83,14 +85,14 @@ void refuse_unwritable(const RunOptions& options) {
 }
 
 /// Shows the progress of a run on a terminal.
-class Progress {
+class RunProgress {
 public:
-    explicit Progress(const Scene& scene) : scene_(scene) {}
+    explicit RunProgress(const Scene& scene) : scene_(scene) {}
 
     void add(std::size_t rows) {
         rows_ += rows;
         if (line_.due()) {
-            const std::chrono::duration<double> elapsed = stream::MonotonicClock::now() - start_;
+            const std::chrono::duration<double> elapsed = Clock::now() - start_;
             line_.show(progress_text({static_cast<double>(rows_) / scene_.output.sample_rate_hz,
                                       scene_.output.duration_s, elapsed.count()}));
         }
@@ -99,7 +101,7 @@ public:
 private:
     const Scene& scene_;
     ProgressLine line_;
-    stream::Nanoseconds start_ = stream::MonotonicClock::now();
+    Clock::time_point start_ = Clock::now();
     std::size_t rows_ = 0;
 };
 
@@ -107,7 +109,7 @@ hertzline::Run simulate(const Session& session, TapSet recorded, TapSet measured
                         recordings::RecordingSet& recordings) {
     recordings::RowBuilder row_builder(recordings, recorded);
     const bool wants_files = recordings.any_left();
-    Progress progress(session.resolved.scene);
+    RunProgress progress(session.resolved.scene);
     return measures::simulate(
         session.resolved,
         {.recorded = recorded,
@@ -204,7 +206,7 @@ CheckedRun checked(const RunOptions& options) {
 }
 
 Exit run(const RunOptions& options) {
-    const stream::Nanoseconds start = stream::MonotonicClock::now();
+    const auto start = Clock::now();
     const auto [session, recorded, measured] = checked(options);
     const Resolution& resolved = session.resolved;
     const Scene& scene = resolved.scene;
@@ -226,7 +228,7 @@ Exit run(const RunOptions& options) {
     recordings::RecordingSet recordings(
         options.files, head, recordings::RecordingPatience::endless(stop_asked()),
         [](const std::string& text) { spdlog::error(text); }, recordings::Appearance::when_complete);
-    const double setup_s = std::chrono::duration<double>(stream::MonotonicClock::now() - start).count();
+    const double setup_s = std::chrono::duration<double>(Clock::now() - start).count();
     hertzline::Run run = simulate(session, recorded, measured, recordings);
     if (session.drive && !session.drive->failure().empty()) {
         throw std::runtime_error(session.drive->failure());

@@ -18,7 +18,7 @@ Path = str | os.PathLike[str]
 
 def scenes() -> dict[str, str]:
     """The shipped scenes: name and description."""
-    return {name: description for name, description, _ in _native.shipped_scenes()}
+    return _native.shipped_scenes()
 
 
 def materials() -> dict[str, dict[str, Any]]:

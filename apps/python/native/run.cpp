@@ -173,8 +173,6 @@ void add_run(py::module_& module) {
         .def_readonly("warnings", &RunResult::warnings)
         .def_property_readonly("taps",
                                [](const RunResult& result) { return measures::names_of(result.held); })
-        .def_property_readonly("asked",
-                               [](const RunResult& result) { return measures::names_of(result.asked); })
         .def("summary", [](const RunResult& result) { return python_object(result.summary); })
         .def("provenance", [](const RunResult& result) { return python_object(result.provenance); })
         .def("samples", &samples_of_tap, py::arg("tap"))

@@ -132,10 +132,9 @@ void add_scene(py::module_& module) {
         return materials;
     });
     module.def("shipped_scenes", [] {
-        py::list scenes;
+        py::dict scenes;
         for (const ShippedScene& scene : shipped_scenes()) {
-            scenes.append(py::make_tuple(std::string(scene.name), std::string(scene.description),
-                                         std::string(scene.text)));
+            scenes[py::str(scene.name)] = std::string(scene.description);
         }
         return scenes;
     });
