@@ -64,26 +64,30 @@ std::string utc_text(std::chrono::system_clock::time_point time) {
                        (since_epoch - seconds).count());
 }
 
-Json provenance_json(const Provenance& provenance) {
-    const Scene& scene = provenance.scene;
-    Json json{{"program", "hertzline"},
-              {"version", program_version()},
-              {"git_hash", git_hash()},
-              {"compiler", compiler()},
-              {"simd_target", kernels::kernel_target()},
-              {"start_time", provenance.start_time}};
-    if (provenance.run) {
-        json["run"] = *provenance.run;
+Json maker_json() {
+    return {{"program", "hertzline"},
+            {"version", program_version()},
+            {"git_hash", git_hash()},
+            {"compiler", compiler()},
+            {"simd_target", kernels::kernel_target()}};
+}
+
+Json provenance_json(const Resolution& resolved, const std::optional<std::string>& run) {
+    const Scene& scene = resolved.scene;
+    Json json = maker_json();
+    json["start_time"] = utc_text(std::chrono::system_clock::now());
+    if (run) {
+        json["run"] = *run;
     }
     json["scene_hash"] = scene_hash(scene);
     json["integrator"] = scene.numerics.integrator ? Json(word(*scene.numerics.integrator)) : Json(nullptr);
     json["step_s"] = scene.numerics.step_s ? Json(*scene.numerics.step_s) : Json(nullptr);
-    add_estimate(json, provenance.estimate);
+    add_estimate(json, resolved.estimate);
     if (provides(scene, Requires::modal_plate)) {
         json["p_axis_travel_s"] = plate_parameters(scene).travel_s();
     }
     Scene asked;
-    asked.numerics = provenance.asked;
+    asked.numerics = resolved.asked;
     json["asked_numerics"] = scene_json(asked)["numerics"];
     json["scene"] = scene_json(scene);
     return json;

@@ -8,8 +8,7 @@
 
 #include "core/model/bursts.hpp"
 #include "core/scene/json.hpp"
-#include "core/step_choice/reference_pilot.hpp"
-#include "hertzline/scene.hpp"
+#include "hertzline/resolve.hpp"
 
 namespace hertzline::measures {
 
@@ -24,21 +23,15 @@ const char* compiler() noexcept;
 /// UTC as ISO 8601 with milliseconds: "2026-01-31T12:00:00.123Z".
 std::string utc_text(std::chrono::system_clock::time_point time);
 
-/// The origin of samples; provenance_json() turns it into JSON.
-struct Provenance {
-    const Scene& scene;                     ///< resolved (hertzline/resolve.hpp)
-    std::optional<ErrorEstimate> estimate;  ///< error of the velocities; unset: unknown
-    Numerics asked;                         ///< as the scene gave them before it was resolved
-    std::string start_time;                 ///< when the run was set up (utc_text)
-    std::optional<std::string> run = {};    ///< its id; unset: it has none
-};
+/// The origin of numbers, whose bits depend on it: program, version, git_hash, compiler, simd_target.
+Json maker_json();
 
 /// Adds estimated_error and estimated_over_s; null: unknown.
 void add_estimate(Json& json, const std::optional<ErrorEstimate>& estimate);
 
-/// program, version, git_hash, compiler, simd_target, start_time, run (if any), scene_hash, integrator,
-/// step_s, estimated_error and estimated_over_s (null: unknown), asked_numerics, scene.
-Json provenance_json(const Provenance& provenance);
+/// The origin of samples that are simulated from now on: maker_json(), start_time, run (if any), scene_hash, integrator,
+/// step_s, estimated_error and estimated_over_s (null: unknown), asked_numerics, scene. @param run its id; unset: it has none
+Json provenance_json(const Resolution& resolved, const std::optional<std::string>& run = {});
 
 /// The provenance in a message of the topic meta: those of the keys above that it has.
 Json provenance_of_meta(const Json& meta);

@@ -68,9 +68,7 @@ nlohmann::ordered_json publish(const Resolution& resolved, const PublishOptions&
         .samples = samples_in(options.duration_s, rate),
         .start = options.wait_for_subscriber ? stream::StreamStart::with_first_subscriber
                                              : stream::StreamStart::at_once};
-    streamed.about =
-        measures::provenance_json({scene.scene(), resolved.estimate, resolved.asked,
-                                   measures::utc_text(std::chrono::system_clock::now()), streamed.run});
+    streamed.about = measures::provenance_json(resolved, streamed.run);
     stream::SimulationSource source(scene.scene(), {});
     stream::PublisherOptions limits;
     limits.queue_bytes = stream::usual_queue_bytes();

@@ -12,7 +12,6 @@
 
 #include <fmt/format.h>
 
-#include "core/integrators/kernels.hpp"
 #include "core/scene/faults.hpp"
 #include "core/scene/json.hpp"
 #include "core/scene/scene_json.hpp"
@@ -78,7 +77,7 @@ constexpr std::array members{Member{"scene", "scene"},
 Json identity_of(const Study& study) {
     const PointOptions& options = study.options;
     Json json{{"format", journal_format}};
-    json.update(maker_json());
+    json.update(measures::maker_json());
     json.update(study.plan.json());
     if (study.is_search()) {
         json.update(study.search);
@@ -276,14 +275,6 @@ bool varies(const SweepPlan& plan, std::string_view key) {
     return std::ranges::find(plan.keys(), key, &SceneKey::name) != plan.keys().end();
 }
 
-Json maker_json() {
-    return {{"program", "hertzline"},
-            {"version", measures::program_version()},
-            {"git_hash", measures::git_hash()},
-            {"compiler", measures::compiler()},
-            {"simd_target", kernels::kernel_target()}};
-}
-
 std::string journal_text(const Study& study) {
     return identity_of(study).dump(-1, ' ', true, Json::error_handler_t::replace);
 }
@@ -332,7 +323,7 @@ Study sweep_of_journal(const std::string& text) {
 }
 
 Json provenance_of(const Study& study) {
-    Json json = maker_json();
+    Json json = measures::maker_json();
     json["scene"] = scene_json(study.plan.base());
     if (study.options.band_from_hz) {
         json["band_from_hz"] = *study.options.band_from_hz;

@@ -74,9 +74,6 @@ void keep_waveforms(PointOptions& options, std::string_view name, const PlanSumm
 /// Looks at the scene of every point. @param measured beside v_out
 PlanSummary summary_of(const SweepPlan& plan, TapSet measured);
 
-/// Returns the origin of the numbers, whose bits depend on it: program, version, git_hash, compiler, simd_target.
-Json maker_json();
-
 /// Returns the text of the study's journal.
 std::string journal_text(const Study& study);
 

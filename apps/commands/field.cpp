@@ -252,12 +252,9 @@ CheckedField checked(const FieldOptions& options) {
     return result;
 }
 
-Json provenance_of(const Scene& scene, const Resolution& resolved, const studies::FieldGrid& grid) {
-    Scene without_points = scene;
-    without_points.output.points_m.clear();
-    Json json =
-        measures::provenance_json({without_points, resolved.estimate, resolved.asked,
-                                   measures::utc_text(std::chrono::system_clock::now()), std::nullopt});
+Json provenance_of(Resolution resolved, const studies::FieldGrid& grid) {
+    resolved.scene.output.points_m.clear();
+    Json json = measures::provenance_json(resolved);
     json["plane"] = grid.text();
     return json;
 }
@@ -280,7 +277,7 @@ Exit field(const FieldOptions& options) {
         }
     }
     stop_asked();  // from here on there are files to be cleaned up
-    FieldTable table(asked.grid, scene, provenance_of(scene, *resolved, asked.grid), options.files,
+    FieldTable table(asked.grid, scene, provenance_of(*resolved, asked.grid), options.files,
                      options.waveforms);
     const Clock::time_point start = Clock::now();
     const auto elapsed_s = [start] { return std::chrono::duration<double>(Clock::now() - start).count(); };

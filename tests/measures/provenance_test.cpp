@@ -8,9 +8,9 @@ using namespace measures;
 namespace {
 
 TEST(Provenance, TellsHowOftenBurstsCome) {
-    Scene scene;
-    scene.drive.repetition_hz = 250;
-    const auto json = provenance_json({scene, {}, {}, utc_text({}), {}});
+    Resolution resolved;
+    resolved.scene.drive.repetition_hz = 250;
+    const auto json = provenance_json(resolved);
     EXPECT_EQ(repetition_of(json), 250);
     EXPECT_FALSE(repetition_of({}));
     EXPECT_FALSE(repetition_of({{"scene", {{"drive", 7}}}}));

@@ -213,9 +213,7 @@ Exit run(const RunOptions& options) {
     refuse_unwritable(options);
     refuse_shortages(scene, {options.files, recorded, options.spectra, measured});
     stop_asked();  // from here on there are files to be cleaned up
-    Json provenance =
-        measures::provenance_json({scene, resolved.estimate, resolved.asked,
-                                   measures::utc_text(std::chrono::system_clock::now()), std::nullopt});
+    Json provenance = measures::provenance_json(resolved);
     if (!session.changes.empty()) {
         provenance["control"] = true;
         provenance["changes"] = Json::array();

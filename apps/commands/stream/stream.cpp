@@ -22,6 +22,7 @@
 #include "apps/console/signals.hpp"
 #include "core/model/drive.hpp"
 #include "core/scene/text.hpp"
+#include "measures/provenance.hpp"
 #include "measures/resources.hpp"
 #include "measures/scene_report.hpp"
 #include "measures/tap_names.hpp"
@@ -219,7 +220,7 @@ Exit stream(const StreamOptions& arguments) {
     if (is_live(scene)) {
         options.pace = stream::Pace::flat_out();
     }
-    options.about = provenance_of_stream(asked.resolved, options.run);
+    options.about = measures::provenance_json(asked.resolved, options.run);
     const stream::PublisherOptions publishing =
         publisher_options(arguments.publish, stream::SimulationSource::format_of(scene), asked.curve);
     refuse_shortages(arguments, scene, options, publishing, asked.recorded);

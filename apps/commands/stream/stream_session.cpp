@@ -1,7 +1,6 @@
 #include "apps/commands/stream/stream_session.hpp"
 
 #include <algorithm>
-#include <chrono>
 #include <utility>
 
 #include <spdlog/spdlog.h>
@@ -12,11 +11,6 @@
 #include "measures/provenance.hpp"
 
 namespace hertzline::app {
-
-Json provenance_of_stream(const Resolution& resolved, const std::string& run) {
-    return measures::provenance_json({resolved.scene, resolved.estimate, resolved.asked,
-                                      measures::utc_text(std::chrono::system_clock::now()), run});
-}
 
 StreamSession::StreamSession(const std::string& name, Resolution resolved, Json about,
                              recordings::RecordingSet& recordings, ProgressLine& line, LiveControl* control)
@@ -59,7 +53,7 @@ Json StreamSession::begin(const Epoch& epoch) {
         before_ = worst_estimate();
         now_ = std::make_unique<SceneNow>(std::move(begun.resolved));
     }
-    Json changed = provenance_of_stream(now_->resolved, about_["run"]);
+    Json changed = measures::provenance_json(now_->resolved, about_["run"].get<std::string>());
     changed["start_time"] = about_["start_time"];
     control_->add_to(changed);
     return changed;

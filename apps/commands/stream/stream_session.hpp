@@ -15,13 +15,10 @@
 
 namespace hertzline::app {
 
-/// Returns the provenance of a run that begins now.
-Json provenance_of_stream(const Resolution& resolved, const std::string& run);
-
 /// For the sending thread. Its arguments outlive it.
 class StreamSession {
 public:
-    /// @param name the scene's, as the user gave it @param about provenance_of_stream() of the first scene
+    /// @param name the scene's, as the user gave it @param about provenance_json() of the first scene
     /// @param control null: no control
     StreamSession(const std::string& name, Resolution resolved, Json about,
                   recordings::RecordingSet& recordings, ProgressLine& line, LiveControl* control);

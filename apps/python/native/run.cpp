@@ -1,7 +1,6 @@
 #include "measures/run.hpp"
 
 #include <array>
-#include <chrono>
 #include <memory>
 #include <optional>
 #include <string>
@@ -101,9 +100,7 @@ std::shared_ptr<RunResult> run(SceneObject& object, const std::optional<std::vec
     result->rows = static_cast<std::size_t>(measures::rows_of_run(resolved->scene));
     result->counts = channel_counts(resolved->scene);
     result->asked = request.taps;
-    result->provenance =
-        measures::provenance_json({resolved->scene, resolved->estimate, resolved->asked,
-                                   measures::utc_text(std::chrono::system_clock::now()), std::nullopt});
+    result->provenance = measures::provenance_json(*resolved);
     interruptible([&](const std::atomic<bool>& stop) { simulate(*resolved, request, stop, *result); });
     return result;
 }
