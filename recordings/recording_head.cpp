@@ -97,10 +97,6 @@ void name_apart(std::vector<Column>& columns) {
     }
 }
 
-std::string text_of(const Json& json) {
-    return json.dump(-1, ' ', /*ensure_ascii=*/true, Json::error_handler_t::replace);
-}
-
 RecordingHead head_of_channels(std::size_t channels, double sample_rate_hz, NumberType numbers) {
     RecordingHead head{{}, sample_rate_hz, numbers, {}};
     for (std::size_t i = 1; i <= channels; ++i) {

@@ -32,9 +32,6 @@ RecordingHead head_of_channels(std::size_t channels, double sample_rate_hz, Numb
 /// Gives columns of another program names where they have none, and tells those of the same name apart: v, v_2.
 void name_apart(std::vector<Column>& columns);
 
-/// Returns JSON on one line, in ASCII.
-std::string text_of(const Json& json);
-
 /// Checks that all values that were read, row-major, are finite: no recording has other samples.
 /// @param row number of the first row in the file
 /// @throws std::runtime_error that names the path and the number that is not finite

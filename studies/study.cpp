@@ -276,7 +276,7 @@ bool varies(const SweepPlan& plan, std::string_view key) {
 }
 
 std::string journal_text(const Study& study) {
-    return identity_of(study).dump(-1, ' ', true, Json::error_handler_t::replace);
+    return ascii_json_text(identity_of(study));
 }
 
 Study sweep_of_journal(const std::string& text) {

@@ -15,7 +15,7 @@ namespace {
 
 /// The value as text, for a message.
 std::string found_json(const Json& value) {
-    return printable(value.dump(-1, ' ', true, Json::error_handler_t::replace), 60);
+    return printable(ascii_json_text(value), 60);
 }
 
 /// The number as one of that kind; nothing when it is of another kind.

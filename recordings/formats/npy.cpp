@@ -6,6 +6,7 @@
 #include <exception>
 #include <string>
 
+#include "core/scene/json.hpp"
 #include "recordings/checked_writer.hpp"
 #include "recordings/files/output_file.hpp"
 #include "recordings/formats/npy_header.hpp"
@@ -38,7 +39,7 @@ private:
     std::string header_of(std::uint64_t rows) const { return npy_header({npy_fields(head()), {rows}}); }
 
     std::string description() const {
-        const std::string text = text_of(describe(head()));
+        const std::string text = ascii_json_text(describe(head()));
         return npy_header({{{"", "|S" + std::to_string(text.size())}}, {}}) + text;
     }
 

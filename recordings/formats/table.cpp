@@ -113,7 +113,7 @@ bool write_npy(const fs::path& path, const Table& table, const std::atomic<bool>
         }
     }
     const std::string text =
-        text_of(Json{{"columns", table_columns_json(table)}, {"provenance", table.provenance}});
+        ascii_json_text(Json{{"columns", table_columns_json(table)}, {"provenance", table.provenance}});
     file.write(npy_header({{{"", "|S" + std::to_string(text.size())}}, {}}) + text);
     file.commit();
     return true;

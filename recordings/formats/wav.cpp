@@ -190,7 +190,7 @@ private:
     }
 
     void set_description(SNDFILE* sound, std::size_t padding) const {
-        std::string text = text_of(describe_without_changes(head()));
+        std::string text = ascii_json_text(describe_without_changes(head()));
         text.resize((text.size() + word - 1) / word * word + padding,
                     ' ');  // libsndfile writes whole words, read from here
         if (text.size() > max_wav_description_bytes) {
@@ -276,8 +276,8 @@ private:
             return;
         }
         OutputFile file(beside, StagedFile::Devices::refused);
-        file.write(text_of(Json{{"run", head().provenance.value("run", "")},
-                                {"changes", head().provenance["changes"]}}) +
+        file.write(ascii_json_text(Json{{"run", head().provenance.value("run", "")},
+                                        {"changes", head().provenance["changes"]}}) +
                    '\n');
         file.commit();
     }

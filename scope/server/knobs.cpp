@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "core/scene/json.hpp"
 #include "stream/control/control_client.hpp"
 
 namespace hertzline::scope {
@@ -43,7 +44,7 @@ void ControlLink::ask(Json question, std::uint64_t asker) {
 }
 
 void ControlLink::send() {
-    const std::string text = waiting_.front().json.dump(-1, ' ', false, Json::error_handler_t::replace);
+    const std::string text = json_text(waiting_.front().json);
     socket_.send(zmq::buffer(text), zmq::send_flags::dontwait);
     sent_at_ = Clock::now();
 }

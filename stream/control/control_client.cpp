@@ -100,7 +100,7 @@ Json ask_control(const ControlConnection& connection, const Json& request, const
     zmq::context_t context = new_context();
     std::optional<SocketMonitor> monitor;
     zmq::socket_t socket = control_socket(context, connection.endpoint, connection.curve, &monitor);
-    const std::string text = request.dump(-1, ' ', true, Json::error_handler_t::replace);
+    const std::string text = ascii_json_text(request);
     const std::array parts{std::as_bytes(std::span(text))};
     send_parts(socket, parts);
     constexpr double day_s = 86400;
@@ -118,7 +118,7 @@ Json ask_control(const ControlConnection& connection, const Json& request, const
         if (receive_parts(socket, received) == 0) {
             continue;
         }
-        Json reply = json_from_outside({static_cast<const char*>(received[0].data()), received[0].size()});
+        Json reply = json_from_outside(received[0].to_string_view());
         if (!reply.is_object()) {
             throw std::runtime_error(connection.endpoint + ": the reply is no JSON object");
         }

@@ -29,10 +29,6 @@ constexpr int at_the_end = 1000;  // the same, the last time
 /// Identity of the sender, an empty part if it is a REQ, the request.
 constexpr std::size_t most_parts = 3;
 
-std::string_view text_of(const zmq::message_t& part) noexcept {
-    return {static_cast<const char*>(part.data()), part.size()};
-}
-
 std::span<const std::byte> bytes_of(const std::string& text) noexcept {
     return std::as_bytes(std::span(text));
 }
@@ -131,13 +127,13 @@ bool ControlServer::receive_one() {
     const int descriptor = zmq_msg_get(parts[std::min(count, most_parts) - 1].handle(), ZMQ_SRCFD);
     connections_.note_question(descriptor);
     const bool empty_part = count == 3 && parts[1].empty();
-    std::vector<std::string> envelope{std::string(text_of(parts[0]))};
+    std::vector<std::string> envelope{std::string(parts[0].to_string_view())};
     if (count >= 3 && parts[1].empty()) {
         envelope.emplace_back();
     }
     const auto reply = [this, descriptor, cookie = socket_cookie(descriptor),
                         envelope = std::move(envelope)](const Json& json) {
-        const std::string text = json.dump(-1, ' ', true, Json::error_handler_t::replace);
+        const std::string text = ascii_json_text(json);
         std::vector<std::span<const std::byte>> out;
         for (const std::string& part : envelope) {
             out.push_back(bytes_of(part));
@@ -154,7 +150,7 @@ bool ControlServer::receive_one() {
     }
     Json request;
     try {
-        request = json_from_outside(text_of(parts[count - 1]));
+        request = json_from_outside(parts[count - 1].to_string_view());
     } catch (const std::runtime_error& error) {
         reply(not_understood(error.what()));
         return true;

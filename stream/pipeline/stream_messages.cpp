@@ -38,7 +38,7 @@ std::string meta_json(const StreamOptions& options, const StreamFormat& format) 
         meta["latency_samples"] = *format.latency_samples;
     }
     // A file name need not be UTF-8.
-    return meta.dump(-1, ' ', false, Json::error_handler_t::replace);
+    return json_text(meta);
 }
 
 void add_stream_members(Json& object, const StreamMeters& meters, TapSet taps) {

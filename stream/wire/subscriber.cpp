@@ -37,7 +37,7 @@ Refusal refusal_of(int event, std::uint32_t value) {
 
 std::string_view Message::text(std::size_t i) const noexcept {
     assert(i < parts());
-    return text_of(parts_[i + 1]);
+    return parts_[i + 1].to_string_view();
 }
 
 std::span<const std::byte> Message::bytes(std::size_t i) const noexcept {

@@ -39,7 +39,7 @@ struct Refusal {
 /// A received message: the topic and further parts.
 class Message {
 public:
-    std::string_view topic() const noexcept { return text_of(parts_[0]); }
+    std::string_view topic() const noexcept { return parts_[0].to_string_view(); }
     /// Parts after the topic.
     std::size_t parts() const noexcept { return size_ - 1; }
     /// Part i < parts(), as bytes or as text.
@@ -48,9 +48,6 @@ public:
 
 private:
     friend class Subscriber;
-    static std::string_view text_of(const zmq::message_t& part) noexcept {
-        return {static_cast<const char*>(part.data()), part.size()};
-    }
     static constexpr std::size_t max_parts = 8;
     std::array<zmq::message_t, max_parts> parts_;  // size_ of them are in use
     std::size_t size_ = 0;

@@ -120,8 +120,8 @@ private:
             H5Acreate2(file_.id(), "sample_rate_hz", H5T_IEEE_F64LE, one.id(), H5P_DEFAULT, H5P_DEFAULT),
             H5Aclose);
         hdf5(H5Awrite(rate.id(), H5T_NATIVE_DOUBLE, &head().sample_rate_hz));
-        hdf5_write_text(file_.id(), "columns", text_of(description.at("columns")));
-        hdf5_write_text(file_.id(), "provenance", text_of(description.at("provenance")));
+        hdf5_write_text(file_.id(), "columns", ascii_json_text(description.at("columns")));
+        hdf5_write_text(file_.id(), "provenance", ascii_json_text(description.at("provenance")));
         captures_ = hdf5_create_dataset(file_.id(), captures_name, H5T_STD_I64LE, 2, 2, {capture_chunk, 2});
         const hid_t type = head().numbers == NumberType::float32 ? H5T_IEEE_F32LE : H5T_IEEE_F64LE;
         for (const Quantity& quantity : quantities_) {
@@ -133,7 +133,7 @@ private:
         if (const auto changes = head().provenance.find("changes"); changes != head().provenance.end()) {
             create_changes();
             for (const Json& change : *changes) {
-                append_change(text_of(change) + '\n');
+                append_change(ascii_json_text(change) + '\n');
             }
         }
     }
@@ -147,7 +147,7 @@ private:
     }
 
     void changed(const Json& change) override {
-        const std::string line = text_of(change) + '\n';
+        const std::string line = ascii_json_text(change) + '\n';
         inside_the_library([&] { append_change(line); });
     }
 

@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "core/scene/json.hpp"
 #include "recordings/files/input_file.hpp"
 #include "recordings/formats/hdf5/hdf5.hpp"
 #include "recordings/formats/hdf5/hdf5_library.hpp"
@@ -251,11 +252,11 @@ std::vector<std::string> member_names(hid_t dataset) {
 bool write_hdf5_table(const std::filesystem::path& path, const Table& table, const std::atomic<bool>& stop) {
     return write_whole_hdf5(path, [&](hid_t file) {
         if (!table.records.empty()) {
-            hdf5_write_text(file, "provenance", text_of(table.provenance));
+            hdf5_write_text(file, "provenance", ascii_json_text(table.provenance));
             return RecordWriter(file, table).write(stop);
         }
-        hdf5_write_text(file, "columns", text_of(table_columns_json(table)));
-        hdf5_write_text(file, "provenance", text_of(table.provenance));
+        hdf5_write_text(file, "columns", ascii_json_text(table_columns_json(table)));
+        hdf5_write_text(file, "provenance", ascii_json_text(table.provenance));
         return write_columns(file, table, stop);
     });
 }

@@ -23,10 +23,6 @@ constexpr const char* status_not_understood = "500";  // admits no peer either
 
 enum Part : std::size_t { version_part = 0, id_part = 1, mechanism_part = 5, key_part = 6 };
 
-std::string_view text_of(const zmq::message_t& part) noexcept {
-    return {static_cast<const char*>(part.data()), part.size()};
-}
-
 zmq::socket_t bound_socket(zmq::context_t& context) {
     try {
         zmq::socket_t socket(context, zmq::socket_type::rep);
@@ -59,11 +55,11 @@ void ZapHandler::answer_until(const std::stop_token& stop) noexcept {
 }
 
 const char* ZapHandler::verdict(std::size_t parts) noexcept {
-    if (parts != request_parts || text_of(request_[version_part]) != version) {
+    if (parts != request_parts || request_[version_part].to_string_view() != version) {
         return status_not_understood;
     }
     CurveKey key{};
-    if (text_of(request_[mechanism_part]) == "CURVE" && request_[key_part].size() == key.size()) {
+    if (request_[mechanism_part].to_string_view() == "CURVE" && request_[key_part].size() == key.size()) {
         std::memcpy(key.data(), request_[key_part].data(), key.size());
         // In time that depends on the key: it is public, and its sender owns it.
         if (std::ranges::binary_search(allowed_, key)) {
@@ -77,7 +73,7 @@ const char* ZapHandler::verdict(std::size_t parts) noexcept {
 /// If a part cannot be sent, ZeroMQ gets no answer and does not admit the peer.
 void ZapHandler::reply(std::string_view status) noexcept {
     constexpr std::string_view none;
-    const std::array<std::string_view, 6> texts{version, text_of(request_[id_part]),
+    const std::array<std::string_view, 6> texts{version, request_[id_part].to_string_view(),
                                                 status,  none,   // status text
                                                 none,    none};  // user, metadata
     std::array<std::span<const std::byte>, texts.size()> parts;
