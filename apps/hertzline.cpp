@@ -26,6 +26,7 @@
 #include "apps/console/messages.hpp"
 #include "apps/console/output.hpp"
 #include "apps/console/signals.hpp"
+#include "core/scene/faults.hpp"
 #include "core/scene/text.hpp"
 #include "measures/provenance.hpp"
 #include "measures/resources.hpp"
@@ -150,9 +151,7 @@ std::string fault_of(const CLI::ParseError& error, const CLI::App& program) {
 void refuse_small_limits() {
     constexpr double address_bytes = 32 << 20;
     constexpr std::uint64_t descriptors = 4;
-    if (const auto shortage = measures::limit_shortage("hertzline", address_bytes, descriptors)) {
-        throw std::runtime_error(*shortage);
-    }
+    throw_if(measures::limit_shortage("hertzline", address_bytes, descriptors));
 }
 
 Exit parse_and_run(int argc, char** argv) {

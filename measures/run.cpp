@@ -373,11 +373,9 @@ Run run(const Resolution& resolved, const RunOptions& options) {
                                ", allowed: " + comma_separated(measures::names_of(there)));
     }
     faults.refuse<std::invalid_argument>();
-    if (const auto shortage = measures::memory_shortage(
-            "this run", measures::memory_of_run(
-                            scene, measures::taps_of_run(scene, options.recorded | measured), measured))) {
-        throw OutOfMemory(*shortage);
-    }
+    throw_if<OutOfMemory>(measures::memory_shortage(
+        "this run",
+        measures::memory_of_run(scene, measures::taps_of_run(scene, options.recorded | measured), measured)));
     Run run = measures::simulate(resolved, options);
     if (!run.stopped) {
         SpectrumAnalyser analyser(run.rows(), resolved.scene.output.sample_rate_hz);

@@ -5,6 +5,7 @@
 #include <stdexcept>
 #include <string_view>
 
+#include "core/scene/faults.hpp"
 #include "core/scene/text.hpp"
 #include "recordings/files/output_file.hpp"
 #include "recordings/formats/csv/csv.hpp"
@@ -61,9 +62,7 @@ bool is_allowed(const Format& format, Access access) {
 }
 
 const Format& format_or_refuse(const fs::path& path, Access access) {
-    if (const auto fault = recording_fault(path, access)) {
-        throw std::runtime_error(*fault);
-    }
+    throw_if(recording_fault(path, access));
     return *format_of(path);
 }
 

@@ -38,23 +38,13 @@ std::optional<std::int64_t> samples_in(std::optional<double> duration_s, double 
     return static_cast<std::int64_t>(std::max(1.0, samples));
 }
 
-/// The keys of the certificates. @throws std::runtime_error with their fault
+/// The keys of the certificates. @throws std::runtime_error with every fault
 std::optional<stream::CurveClient> keys_of(const ListenOptions& options) {
-    if (options.curve_key.empty() && options.server_key.empty()) {
-        return std::nullopt;
-    }
-    if (options.curve_key.empty() || options.server_key.empty()) {
-        throw std::runtime_error("an encrypted stream needs both curve_key and server_key");
-    }
-    const auto own = stream::read_key_pair(options.curve_key);
-    const auto server = stream::read_public_key(options.server_key);
-    for (const std::string& fault :
-         {own ? std::string() : own.error(), server ? std::string() : server.error()}) {
-        if (!fault.empty()) {
-            throw std::runtime_error(fault);
-        }
-    }
-    return stream::CurveClient{*own, *server};
+    Faults faults;
+    auto keys =
+        stream::read_client_keys(options.curve_key, options.server_key, "curve_key", "server_key", faults);
+    faults.refuse<std::runtime_error>();
+    return keys;
 }
 
 }  // namespace

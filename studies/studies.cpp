@@ -149,8 +149,8 @@ studies::PointOptions point_options(const StudyOptions& options, const studies::
     }
     const auto columns =
         measures::number_columns((point.measured | measures::measured_unasked) & there, summary.modal);
-    point.frequency_given = plan.base().drive.frequency_hz != Drive{}.frequency_hz ||
-                            studies::varies(plan, "drive.frequency_hz");
+    point.frequency_given =
+        plan.base().drive.frequency_hz != Drive{}.frequency_hz || studies::varies(plan, "drive.frequency_hz");
     point.columns = faults.value_of("quantities", measures::chosen_columns(columns, options.quantities))
                         .value_or(columns);
     return point;
@@ -203,9 +203,7 @@ StudyTable table_of(const studies::Study& study, const studies::Journal& journal
 void require_memory(const char* purpose, double points, const studies::Study& study, int jobs,
                     const studies::PlanSummary& plan) {
     const double kept = studies::Journal::bytes(points, studies::columns_of(study), study.samples());
-    if (const auto shortage = measures::memory_shortage(purpose, jobs * plan.memory_bytes + 2 * kept)) {
-        throw OutOfMemory(*shortage);
-    }
+    throw_if<OutOfMemory>(measures::memory_shortage(purpose, jobs * plan.memory_bytes + 2 * kept));
 }
 
 studies::Goal goal_of(const SearchGoal& wanted, Faults& faults) {

@@ -77,21 +77,7 @@ std::optional<stream::CurveServer> curve_of(const CurveServerRequest& request, F
 }
 
 std::optional<stream::CurveClient> curve_of(const CurveClientRequest& request, Faults& faults) {
-    if (request.key.empty() && request.server.empty()) {
-        return std::nullopt;
-    }
-    if (request.server.empty()) {
-        faults.add("--curve-key needs --server-key, the stream's public key");
-        return std::nullopt;
-    }
-    if (request.key.empty()) {
-        faults.add("--server-key needs --curve-key, the listener's secret key");
-        return std::nullopt;
-    }
-    return stream::CurveClient{
-        .own = faults.value_of("--curve-key", stream::read_key_pair(request.key)).value_or(stream::KeyPair()),
-        .server = faults.value_of("--server-key", stream::read_public_key(request.server))
-                      .value_or(stream::CurveKey())};
+    return stream::read_client_keys(request.key, request.server, "--curve-key", "--server-key", faults);
 }
 
 }  // namespace hertzline::app

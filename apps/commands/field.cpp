@@ -27,6 +27,7 @@
 #include "apps/console/progress.hpp"
 #include "apps/console/signals.hpp"
 #include "core/model/validity.hpp"
+#include "core/scene/faults.hpp"
 #include "core/scene/text.hpp"
 #include "hertzline/spectrum.hpp"
 #include "hertzline/taps.hpp"
@@ -123,9 +124,7 @@ void refuse_disk_shortages(const FieldOptions& options, const Scene& scene) {
     double kept = points * static_cast<double>(samples * sizeof(float));
     for (const std::string& file : options.files) {
         const double bytes = recordings::table_bytes(file, field_columns(), points, samples);
-        if (const auto shortage = measures::disk_shortage(file, bytes + std::exchange(kept, 0))) {
-            throw std::runtime_error(*shortage);
-        }
+        throw_if(measures::disk_shortage(file, bytes + std::exchange(kept, 0)));
     }
 }
 

@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "core/scene/faults.hpp"
 #include "core/scene/text.hpp"
 #include "hertzline/spectrum.hpp"
 #include "measures/resources.hpp"
@@ -44,9 +45,7 @@ void refuse_disk_shortages(const Scene& scene, double samples, std::span<const s
                            TapSet taps) {
     for (const std::string& file : files) {
         const double bytes = file_bytes(scene, samples, file, taps);
-        if (const auto shortage = measures::disk_shortage(file, bytes)) {
-            throw std::runtime_error(*shortage);
-        }
+        throw_if(measures::disk_shortage(file, bytes));
     }
 }
 
@@ -57,20 +56,13 @@ void refuse_shortages(const Scene& scene, const RunOutputs& outputs) {
     const double spectra_bytes = outputs.spectra.empty() ? 0 : (columns + 2) * lines * sizeof(double);
     const std::string run =
         fmt::format("a run of {} rows (duration_s times sample_rate_hz)", number_text(rows));
-    if (const auto shortage = measures::memory_shortage(
-            run, memory_of_recorded_run(scene, outputs.recorded, outputs.measured) + spectra_bytes)) {
-        throw std::runtime_error(*shortage);
-    }
-    if (const auto fault = measures::longest_run_fault(scene)) {
-        throw std::runtime_error(*fault);
-    }
+    throw_if(measures::memory_shortage(
+        run, memory_of_recorded_run(scene, outputs.recorded, outputs.measured) + spectra_bytes));
+    throw_if(measures::longest_run_fault(scene));
     refuse_disk_shortages(scene, rows, outputs.files, outputs.recorded);
     const std::vector<recordings::TableColumn> numbers(static_cast<std::size_t>(columns));
     for (const std::string& file : outputs.spectra) {
-        if (const auto shortage =
-                measures::disk_shortage(file, recordings::table_bytes(file, numbers, lines))) {
-            throw std::runtime_error(*shortage);
-        }
+        throw_if(measures::disk_shortage(file, recordings::table_bytes(file, numbers, lines)));
     }
 }
 

@@ -11,6 +11,7 @@
 #include "apps/command.hpp"
 #include "apps/commands/publish_session.hpp"
 #include "apps/console/signals.hpp"
+#include "core/scene/faults.hpp"
 #include "core/scene/text.hpp"
 #include "measures/provenance.hpp"
 #include "measures/resources.hpp"
@@ -94,10 +95,8 @@ Exit replay(const ReplayOptions& arguments) {
     stream::StreamOptions options = stream_options(arguments.publish, rate, stream::OnOverrun::drop);
     options.about = about(head, arguments.file);
     const stream::PublisherOptions publishing = publisher_options(arguments.publish, source.format(), curve);
-    if (const auto shortage = measures::memory_shortage(
-            "replaying " + arguments.file, stream_bytes(source.format(), options.pace, publishing))) {
-        throw std::runtime_error(*shortage);
-    }
+    throw_if(measures::memory_shortage("replaying " + arguments.file,
+                                       stream_bytes(source.format(), options.pace, publishing)));
     stop_asked();
     stream::Publisher publisher(arguments.publish.endpoint, stream::all_topics, publishing);
     ProgressLine line;

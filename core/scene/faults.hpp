@@ -3,6 +3,7 @@
 
 #include <optional>
 #include <span>
+#include <stdexcept>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -50,6 +51,14 @@ public:
 private:
     std::string text_;
 };
+
+/// @throws Error with the fault, if there is one
+template <class Error = std::runtime_error>
+void throw_if(const std::optional<std::string>& fault) {
+    if (fault) {
+        throw Error(*fault);
+    }
+}
 
 /// Returns the fault of a number that is not positive and finite. Nothing where it is unset. @param unit as "[s]"
 std::optional<std::string> positive_fault(std::optional<double> value, std::string_view unit = {});

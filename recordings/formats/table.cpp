@@ -13,6 +13,7 @@
 
 #include <fmt/format.h>
 
+#include "core/scene/faults.hpp"
 #include "core/scene/json.hpp"
 #include "core/scene/text.hpp"
 #include "recordings/files/input_file.hpp"
@@ -306,9 +307,7 @@ double table_bytes(const fs::path& path, std::span<const TableColumn> columns, d
 }
 
 bool write_table(const fs::path& path, const Table& table, const std::atomic<bool>& stop) {
-    if (const auto fault = table_fault(path, table)) {
-        throw std::runtime_error(*fault);
-    }
+    throw_if(table_fault(path, table));
     return format_of(path)->write(path, table, stop);
 }
 

@@ -9,6 +9,7 @@
 
 #include <fmt/format.h>
 
+#include "core/scene/faults.hpp"
 #include "core/scene/json.hpp"
 #include "stream/control/control_server.hpp"
 #include "stream/wire/endpoint.hpp"
@@ -69,9 +70,7 @@ private:
 
 zmq::socket_t control_socket(zmq::context_t& context, const std::string& endpoint,
                              const std::optional<CurveClient>& curve, std::optional<SocketMonitor>* monitor) {
-    if (const auto fault = endpoint_fault(endpoint, EndpointUse::connect)) {
-        throw std::runtime_error(*fault);
-    }
+    throw_if(endpoint_fault(endpoint, EndpointUse::connect));
     zmq::socket_t socket(context, zmq::socket_type::dealer);
     if (curve) {
         encrypt_as_client(socket, *curve);

@@ -12,6 +12,7 @@
 #include <fmt/format.h>
 #include <pthread.h>
 
+#include "core/scene/faults.hpp"
 #include "core/scene/json.hpp"
 #include "stream/wire/endpoint.hpp"
 #include "stream/wire/sockets.hpp"
@@ -50,12 +51,8 @@ void set_options(zmq::socket_t& socket, const std::string& endpoint) {
 
 /// @throws std::runtime_error where nothing can be bound
 const std::string& bindable(const std::string& endpoint) {
-    if (const auto fault = endpoint_fault(endpoint, EndpointUse::bind)) {
-        throw std::runtime_error(*fault);
-    }
-    if (const auto fault = occupied_fault(endpoint)) {
-        throw std::runtime_error(*fault);
-    }
+    throw_if(endpoint_fault(endpoint, EndpointUse::bind));
+    throw_if(occupied_fault(endpoint));
     return endpoint;
 }
 

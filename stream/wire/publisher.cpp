@@ -11,6 +11,7 @@
 
 #include <fmt/format.h>
 
+#include "core/scene/faults.hpp"
 #include "stream/wire/endpoint.hpp"
 
 namespace hertzline::stream {
@@ -71,12 +72,8 @@ Publisher::Publisher(const std::string& endpoint, std::span<const std::string_vi
       socket_(context_, zmq::socket_type::xpub),
       connections_(context_, socket_, static_cast<std::size_t>(options.max_clients)),
       subscriptions_(topics) {
-    if (const auto fault = endpoint_fault(endpoint, EndpointUse::bind)) {
-        throw std::runtime_error(*fault);
-    }
-    if (const auto fault = occupied_fault(endpoint)) {
-        throw std::runtime_error(*fault);
-    }
+    throw_if(endpoint_fault(endpoint, EndpointUse::bind));
+    throw_if(occupied_fault(endpoint));
     if (options.curve) {
         require_curve();
         gate_.emplace(context_, options.curve->clients);

@@ -5,6 +5,7 @@
 #include <cstring>
 #include <stdexcept>
 
+#include "core/scene/faults.hpp"
 #include "measures/resources.hpp"
 #include "stream/threads.hpp"
 
@@ -33,9 +34,7 @@ bool send_part(zmq::socket_t& socket, std::span<const std::byte> part, int flags
 zmq::context_t new_context() {
     constexpr double address_bytes = 64 << 20;  // for three threads
     constexpr std::uint64_t descriptors = 24;
-    if (const auto shortage = measures::limit_shortage("a ZeroMQ socket", address_bytes, descriptors)) {
-        throw std::runtime_error(*shortage);
-    }
+    throw_if(measures::limit_shortage("a ZeroMQ socket", address_bytes, descriptors));
     zmq::context_t context;
     const ShortSlices inherited;  // by ZeroMQ's threads, which begin with the first socket
     const zmq::socket_t first(context, zmq::socket_type::pair);

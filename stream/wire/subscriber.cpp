@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "core/scene/faults.hpp"
 #include "stream/wire/endpoint.hpp"
 #include "stream/wire/sockets.hpp"
 
@@ -46,9 +47,7 @@ std::span<const std::byte> Message::bytes(std::size_t i) const noexcept {
 
 Subscriber::Subscriber(const std::string& endpoint, const SubscriberOptions& options)
     : socket_(context_, zmq::socket_type::sub), connections_(context_, socket_, handshake_events) {
-    if (const auto fault = endpoint_fault(endpoint, EndpointUse::connect)) {
-        throw std::runtime_error(*fault);
-    }
+    throw_if(endpoint_fault(endpoint, EndpointUse::connect));
     if (options.curve) {
         encrypt_as_client(socket_, *options.curve);
     }

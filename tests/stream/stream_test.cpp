@@ -57,7 +57,7 @@ TEST(PublishedStream, WrongRequestsAreRefused) {
                 testing::AllOf(HasSubstr("timeout_s: found -1"), HasSubstr("taps: found ")));
     EXPECT_THROW(Listener("ipc://x", {.taps = Tap::x_chain}), std::invalid_argument);
     EXPECT_THAT(error_of([] { Listener("ipc://x", {.curve_key = "mine.key_secret"}); }),
-                HasSubstr("both curve_key and server_key"));
+                HasSubstr("curve_key needs server_key, the stream's public key"));
 }
 
 }  // namespace

@@ -21,6 +21,7 @@
 #include "apps/commands/stream/stream_session.hpp"
 #include "apps/console/signals.hpp"
 #include "core/model/drive.hpp"
+#include "core/scene/faults.hpp"
 #include "core/scene/text.hpp"
 #include "measures/provenance.hpp"
 #include "measures/resources.hpp"
@@ -80,9 +81,7 @@ void refuse_shortages(const StreamOptions& arguments, const Scene& scene,
     const double memory = stream::SimulationSource::memory_bytes(scene) +
                           stream_bytes(stream::SimulationSource::format_of(scene), options.pace, publishing) +
                           memory_of_recordings(scene, recorded, arguments.recordings.size());
-    if (const auto shortage = measures::memory_shortage("streaming this scene", memory)) {
-        throw std::runtime_error(*shortage);
-    }
+    throw_if(measures::memory_shortage("streaming this scene", memory));
     if (options.samples) {
         refuse_disk_shortages(scene, static_cast<double>(*options.samples), arguments.recordings, recorded);
     }

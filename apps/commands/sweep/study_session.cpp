@@ -15,6 +15,7 @@
 #include "apps/console/output.hpp"
 #include "apps/console/signals.hpp"
 #include "core/integrators/kernels.hpp"
+#include "core/scene/faults.hpp"
 #include "core/scene/json.hpp"
 #include "core/scene/text.hpp"
 #include "measures/resources.hpp"
@@ -122,9 +123,7 @@ void refuse_shortages(const SweepOptions& options, std::string_view study, int j
     if (options.files.empty()) {
         return;
     }
-    if (const auto shortage = measures::disk_shortage(options.files.front(), needs.disk_bytes)) {
-        throw std::runtime_error(*shortage);
-    }
+    throw_if(measures::disk_shortage(options.files.front(), needs.disk_bytes));
 }
 
 void run_to_journal(Journal& journal, const std::function<void()>& work) {

@@ -25,21 +25,10 @@ namespace hertzline::python {
 
 namespace {
 
-/// Reads the keys of an encrypted stream, or adds their faults; none without files. @param own secret key
-/// @param server public key
+/// Reads the keys of an encrypted stream, or adds their faults; none without files.
 std::optional<stream::CurveClient> keys_of(const std::optional<std::string>& own,
                                            const std::optional<std::string>& server, Faults& faults) {
-    if (!own && !server) {
-        return std::nullopt;
-    }
-    if (!own || !server) {
-        faults.add(own ? "server_key is missing: give it beside curve_key"
-                       : "curve_key is missing: give it beside server_key");
-        return std::nullopt;
-    }
-    const auto pair = faults.value_of("curve_key", stream::read_key_pair(*own));
-    const auto key = faults.value_of("server_key", stream::read_public_key(*server));
-    return pair && key ? std::optional(stream::CurveClient{*pair, *key}) : std::nullopt;
+    return stream::read_client_keys(own.value_or(""), server.value_or(""), "curve_key", "server_key", faults);
 }
 
 constexpr auto nap = std::chrono::milliseconds(100);  // between looks at signals

@@ -13,6 +13,7 @@
 #include "apps/python/native/interruptible.hpp"
 #include "apps/python/native/module.hpp"
 #include "apps/python/native/python_values.hpp"
+#include "core/scene/faults.hpp"
 #include "core/scene/json.hpp"
 #include "core/scene/text.hpp"
 #include "hertzline/taps.hpp"
@@ -53,9 +54,7 @@ void read_rows(recordings::RecordingReader& reader, Recording& recording, const 
 }
 
 std::shared_ptr<Recording> load(const std::string& path, std::optional<double> sample_rate_hz) {
-    if (const auto fault = recordings::recording_fault(path, recordings::Access::reading)) {
-        throw py::value_error(*fault);
-    }
+    throw_if<py::value_error>(recordings::recording_fault(path, recordings::Access::reading));
     if (sample_rate_hz && !(*sample_rate_hz > 0 && std::isfinite(*sample_rate_hz))) {
         throw py::value_error("sample_rate_hz: found " + number_text(*sample_rate_hz) +
                               ", allowed: more than 0");

@@ -218,6 +218,25 @@ tl::expected<KeyPair, std::string> read_key_pair(const fs::path& file) {
     return pair;
 }
 
+std::optional<CurveClient> read_client_keys(const std::string& own, const std::string& server,
+                                            std::string_view own_name, std::string_view server_name,
+                                            Faults& faults) {
+    if (own.empty() && server.empty()) {
+        return std::nullopt;
+    }
+    if (server.empty()) {
+        faults.add(fmt::format("{} needs {}, the stream's public key", own_name, server_name));
+        return std::nullopt;
+    }
+    if (own.empty()) {
+        faults.add(fmt::format("{} needs {}, the client's secret key", server_name, own_name));
+        return std::nullopt;
+    }
+    const auto pair = faults.value_of(own_name, read_key_pair(own));
+    const auto key = faults.value_of(server_name, read_public_key(server));
+    return pair && key ? std::optional(CurveClient{*pair, *key}) : std::nullopt;
+}
+
 tl::expected<std::vector<CurveKey>, std::string> read_public_keys(const fs::path& file_or_directory) {
     std::vector<fs::path> files;
     std::error_code error;

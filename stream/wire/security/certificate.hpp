@@ -12,11 +12,14 @@
 // Writing throws, as other uses of resources do. Reading returns faults: the text is from outside.
 
 #include <filesystem>
+#include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include <tl/expected.hpp>
 
+#include "core/scene/faults.hpp"
 #include "stream/wire/security/curve.hpp"
 
 namespace hertzline::stream {
@@ -40,6 +43,12 @@ tl::expected<CurveKey, std::string> read_public_key(const std::filesystem::path&
 
 /// Both keys of a secret certificate. Refused when other users may read it, or it is another user's.
 tl::expected<KeyPair, std::string> read_key_pair(const std::filesystem::path& file);
+
+/// The keys of a client, its own from a secret certificate and the stream's from a public one, or their faults; none without files.
+/// @param own_name, server_name of the files in messages
+std::optional<CurveClient> read_client_keys(const std::string& own, const std::string& server,
+                                            std::string_view own_name, std::string_view server_name,
+                                            Faults& faults);
 
 /// The public keys of a certificate, or of every *.key in a directory. A failure names every fault, one a
 /// line; a directory without certificates is one.
