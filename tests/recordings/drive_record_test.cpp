@@ -1,5 +1,3 @@
-#include "recordings/named_scene.hpp"
-
 #include <cmath>
 #include <filesystem>
 #include <numbers>
@@ -12,6 +10,7 @@
 #include "core/model/drive.hpp"
 #include "core/model/sampled_motion.hpp"
 #include "hertzline/resolve.hpp"
+#include "recordings/named_scene.hpp"
 #include "recordings/recording_formats.hpp"
 #include "tests/support/files.hpp"
 #include "tests/support/recordings.hpp"

@@ -70,8 +70,7 @@ DataType data_type_of(const std::string& name) {
 
 /// Compares the hash of a file with the one in the metadata, if there is one. Returns how they differ.
 /// @param told_hash that of the metadata; "": none
-std::optional<std::string> hash_fault(std::string_view told_hash, InputFile& file,
-                                      const ArchivedFile& part) {
+std::optional<std::string> hash_fault(std::string_view told_hash, InputFile& file, const ArchivedFile& part) {
     const std::string told = lower_case(told_hash);
     const std::string found = told.empty() ? told : sha512_of(file, part);
     return found == told ? std::nullopt
