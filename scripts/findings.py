@@ -423,8 +423,8 @@ A finding that is not confirmed is reported as such. "No" refers to the criterio
 Waves with the lengths of the disc's first four modes have 46.4, 173.3, 365.4 and 603.8 kHz in a layer of vitreous carbon of 0.5 mm by
 the exact equations of elasticity (Lamb's waves). At these wavelengths thick-plate theory is 0.03 to 0.3 % below, thin-plate theory 2, 6,
 13 and 21 % above. (In thick-plate theory the modes have other wavelengths, and lie lower: [model.md](model.md).) So where the two
-columns differ, "wet, thick" is the one to believe. Three more things are not known: the taper of the burst, the loss in the disc, and how many modes count, since a point force under a thick plate excites all of them. The table
-varies one of them at a time.
+columns differ, "wet, thick" is the one to believe. Three more things are not known: the taper of the burst, the loss in the disc, and how
+many modes count, since a point force under a thick plate excites all of them. The table varies one of them at a time.
 
 {ranges}
 
