@@ -123,9 +123,14 @@ std::size_t usable_threads() {
     return static_cast<std::size_t>(measures::usable_processors());
 }
 
-tl::expected<ParsedScene, std::vector<Fault>> parsed_scene(const SceneRequest& request) {
-    return recordings::parse_named_scene(request.scene, request.settings,
-                                         [](const std::string& warning) { spdlog::warn("{}", warning); });
+tl::expected<ParsedScene, std::vector<Fault>> parsed_scene(const SceneRequest& request,
+                                                           std::vector<std::string>* warnings) {
+    return recordings::parse_named_scene(request.scene, request.settings, [=](const std::string& warning) {
+        spdlog::warn("{}", warning);
+        if (warnings != nullptr) {
+            warnings->push_back(warning);
+        }
+    });
 }
 
 tl::expected<Resolution, std::vector<Fault>> resolved_scene(const SceneRequest& request, Lasting lasting) {

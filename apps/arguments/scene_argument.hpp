@@ -39,8 +39,9 @@ std::vector<std::string> files_of(const SceneRequest& request);
 void check_inputs_stay(std::string_view option, std::span<const std::string> outputs,
                        std::span<const std::string> inputs, Faults& faults);
 
-/// Reads the scene as it was asked for, or returns its faults.
-tl::expected<ParsedScene, std::vector<Fault>> parsed_scene(const SceneRequest& request);
+/// Reads the scene as it was asked for, or returns its faults. Prints warnings about its record. @param warnings takes them, too
+tl::expected<ParsedScene, std::vector<Fault>> parsed_scene(const SceneRequest& request,
+                                                           std::vector<std::string>* warnings = nullptr);
 
 /// Threads for the chains of an array: one for each usable processor.
 std::size_t usable_threads();

@@ -74,6 +74,8 @@ TEST(Run, AndStreamReadTheRecordOfTheDriveOnce) {
         ASSERT_NE(first, std::string::npos) << outcome.err;
         EXPECT_EQ(outcome.err.find(told, first + 1), std::string::npos) << outcome.err;
     }
+    EXPECT_THAT(hertzline({"run", folder.file("device.toml"), "--json"}).json()["warnings"].dump(),
+                HasSubstr("x_um is in um; drive.scale"));
 }
 
 TEST(Check, NamesStiffnessWhereStepsAreFarTooShort) {

@@ -322,12 +322,15 @@ std::optional<Session> session_of_recording(const SceneRequest& request, Faults&
 
 std::optional<Session> session_of_scene(const SceneRequest& request, const std::string& file,
                                         Faults& faults) {
-    auto resolved = faults.value_of({}, resolved_scene(request));
+    Warnings of_record;
+    const auto parsed = faults.value_of({}, parsed_scene(request, &of_record));
+    auto resolved = parsed ? faults.value_of({}, resolved_scene(*parsed)) : std::nullopt;
     if (!resolved) {
         return std::nullopt;
     }
     Session session{.resolved = *std::move(resolved), .changes = {}, .steps = {}, .warnings = {}};
     if (file.empty()) {
+        session.warnings = std::move(of_record);
         return session;
     }
     const auto json = changes_file(file, faults);
@@ -351,6 +354,7 @@ std::optional<Session> session_of_scene(const SceneRequest& request, const std::
         for (const std::string& text : whole->warnings) {
             spdlog::warn(text);
         }
+        whole->warnings.insert(whole->warnings.begin(), of_record.begin(), of_record.end());
     }
     return whole;
 }
