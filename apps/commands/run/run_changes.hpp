@@ -20,7 +20,7 @@ struct Session {
     Resolution resolved;  ///< the first scene
     std::vector<stream::SceneChange> changes;
     std::vector<SceneStep> steps;  ///< the scenes of the changes
-    Warnings warnings;             ///< of the drive's record, and of the accuracy after each change and of the whole
+    Warnings warnings;  ///< of the drive's record, and of the accuracy after each change and of the whole
     std::shared_ptr<recordings::RecordedDrive> drive = nullptr;  ///< the samples of a live drive
 };
 
