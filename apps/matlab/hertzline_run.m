@@ -47,9 +47,9 @@ result.sample_rate_hz = about.sample_rate_hz;
 result.spectrum = read_npy(spectrum);
 summary = decode_json(text);
 result.summary = rmfield(summary, {'recordings', 'warnings'});
-result.warnings = reshape(cellstr(summary.warnings), [], 1);
-if isempty(summary.warnings)
-    result.warnings = cell(0, 1);
+result.warnings = cell(0, 1);
+if ~isempty(summary.warnings)  % MATLAB reads an empty list as a matrix
+    result.warnings = reshape(cellstr(summary.warnings), [], 1);
 end
 result.provenance = about.provenance;
 end

@@ -36,10 +36,18 @@ const link = new Link({
     }
     take(text);
   },
-  open() { ask(); },
-  closed() {
-    showState('gone', 'The scope itself does not answer: hertzline scope was ended, or cannot be reached. '
-      + 'This page goes on when it is back at this address; a scope that was started anew has another address.');
+  open() {
+    changing = false;  // an answer that was on its way does not come
+    ask();
+    change();
+  },
+  async closed(tries) {
+    const answers = await fetch(location.href, {cache: 'no-store'}).then(({ok}) => ok, () => false);
+    const refused = tries > 1 ? 'The scope answers, but takes no further page: as many are open as it serves. This page goes on when one is closed.'
+      : 'The connection to the scope broke. This page connects again.';
+    showState('gone', answers ? refused
+      : 'The scope itself does not answer: hertzline scope was ended, or cannot be reached. '
+        + 'This page goes on when it is back at this address; a scope that was started anew has another address.');
   },
 });
 
@@ -85,14 +93,18 @@ function setWindow(from, span) {
 }
 
 /** The burst, and half of its length more, within its period. */
-function home() {
+function showWholeBurst() {
   const drive = scene?.scene?.drive ?? {};
   const burst = drive.frequency_hz > 0 ? 1.5 * drive.cycles / drive.frequency_hz : 1e-3;
   const period = scene?.repetition_hz > 0 ? 1 / scene.repetition_hz : Infinity;
+  setWindow(0, Math.min(burst, period));
+}
+
+function home() {
   touched = false;
   waveform.level = {low: null, high: null};
   $('low').value = $('high').value = '';
-  setWindow(0, Math.min(burst, period));
+  showWholeBurst();
 }
 
 function setMode(mode) {
@@ -222,13 +234,19 @@ function offerChannels() {
 
 // ---- knobs: one change is on its way at a time, the newest value of a key waits
 
+const LONGEST_REQUEST = 60000;  // characters: the scope takes no more
 const waiting = new Map();
 let changing = false;
 function change() {
   if (!changing && waiting.size > 0) {
     changing = true;
-    link.send({set: Object.fromEntries(waiting)});
+    const request = {set: Object.fromEntries(waiting)};
     waiting.clear();
+    if (JSON.stringify(request).length > LONGEST_REQUEST) {
+      showAnswer({to: request, answer: {faults: [{message: `found a list that is too long for this page, allowed: ${LONGEST_REQUEST} characters`}]}});
+    } else {
+      link.send(request);
+    }
   }
 }
 const knobs = new Knobs($('knobs'), (key, value) => { waiting.set(key, value); change(); });
@@ -301,8 +319,11 @@ function showRecording(recording) {
   $('record').textContent = recording.on ? 'Stop recording' : 'Record';
   $('record').disabled = !recording.allowed;
   const missing = recording.missing_samples > 0 ? `, ${recording.missing_samples} missing, marked as a gap` : '';
-  $('record-text').textContent = recording.file === '' ? 'Saved by the scope, in the folder where it was started.'
-    : `${recording.file}: ${recording.samples} samples${missing}; ${recording.text}.`;
+  const text = recording.file !== '' ? `${recording.file}: ${recording.text}.` : recording.allowed ? `Saved by the scope in ${recording.folder}.` : '';
+  if ($('record-text').textContent !== text) {  // which is read aloud
+    $('record-text').textContent = text;
+  }
+  $('record-count').textContent = recording.file === '' ? '' : `${recording.samples} samples${missing}`;
 }
 
 // ---- updates
@@ -312,7 +333,7 @@ function showScene() {
   showMotion();
   spectrum.fundamental = scene.fundamental_hz;
   if (!touched) {
-    home();
+    showWholeBurst();
   } else {
     setWindow(view.from_s, view.span_s);
   }
@@ -364,7 +385,7 @@ function take(text) {
     } else if (reply.to) {
       showAnswer(reply);
     } else if (reply.error) {
-      $('record-text').textContent = reply.error;
+      $('view-fault').textContent = reply.error;
     }
   }
   if (text.state) {
@@ -411,7 +432,7 @@ function draw() {
   if (undrawn) {
     undrawn = false;
     own.drawn += 1;
-    if (waveform.picture) {
+    if (waveform.picture && !waveform.picture.held && state.state === 'running') {
       own.delays.push(Date.now() - 1e3 * waveform.picture.received_at_s);
     }
     own.delays = own.delays.slice(-200);

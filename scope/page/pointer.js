@@ -12,6 +12,9 @@ export function listen(canvas, act) {
   let travelled = 0;
 
   canvas.addEventListener('pointerdown', (event) => {
+    if (event.button !== 0) {
+      return;  // a menu's
+    }
     fingers.set(event.pointerId, {x: event.offsetX});
     travelled = fingers.size === 1 ? 0 : Infinity;  // two fingers place no cursor
     canvas.setPointerCapture(event.pointerId);

@@ -35,6 +35,8 @@ void ControlLink::connect() {
 
 void ControlLink::ask(Json question, std::uint64_t asker) {
     if (waiting_.size() >= most_questions) {
+        given_up_.push_back(
+            {std::move(question), fault_answer("too many requests wait for their answers"), asker});
         return;
     }
     waiting_.push_back({std::move(question), asker});

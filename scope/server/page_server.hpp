@@ -42,7 +42,7 @@ struct PageEvent {
 struct PageLimits {
     static constexpr std::size_t pages = 16;
     static constexpr std::size_t connections = 64;
-    static constexpr std::size_t message_bytes = 16384;  ///< from a page
+    static constexpr std::size_t message_bytes = 65536;  ///< from a page
     static constexpr unsigned messages_per_s = 200;      ///< from a page
     static constexpr int answer_within_s = 5;            ///< or the page is dropped
 };

@@ -4,6 +4,7 @@
 #include <array>
 #include <chrono>
 #include <string_view>
+#include <system_error>
 #include <utility>
 #include <vector>
 
@@ -55,8 +56,12 @@ std::optional<std::string> ScopeRecorder::begin(Tap tap, const std::string& endi
         return *folder_ / fmt::format("{}{}.{}", name, number == 1 ? "" : fmt::format("-{}", number), ending);
     };
     int number = 1;
-    while (std::filesystem::exists(path(number))) {  // the second of one second
+    std::error_code error;
+    while (std::filesystem::exists(path(number), error)) {  // the second of one second
         ++number;
+    }
+    if (error) {
+        return fmt::format("{}: {}", folder_->string(), error.message());
     }
     file_ = path(number).string();
     tap_ = tap;
@@ -69,14 +74,26 @@ std::optional<std::string> ScopeRecorder::begin(Tap tap, const std::string& endi
 
 void ScopeRecorder::end() {
     if (set_) {
-        set_->commit();
-        const auto& status = set_->status().front();
-        text_ = status.failure.empty() ? "saved" : status.failure;
-        set_.reset();
-    } else if (is_on()) {
+        text_ = "being saved";
+        is_being_saved_ = true;
+        saved_ = std::async(std::launch::async, [set = std::move(set_)] {
+            set->commit();
+            return set->status().front();
+        });
+    } else if (tap_) {
         text_ = "nothing was received, nothing is saved";
     }
     tap_.reset();
+}
+
+void ScopeRecorder::advance() {
+    if (is_being_saved_ && saved_.wait_for(std::chrono::seconds(0)) == std::future_status::ready) {
+        const recordings::RecordingSet::Status status = saved_.get();
+        is_being_saved_ = false;
+        text_ = status.failure.empty() ? "saved" : status.failure;
+        samples_ = status.samples;
+        missing_ += static_cast<std::uint64_t>(status.missing);
+    }
 }
 
 void ScopeRecorder::take(stream::RunReceiver& run, const stream::ReceivedFrame& frame, const Json& meta) {
@@ -98,7 +115,11 @@ void ScopeRecorder::take(stream::RunReceiver& run, const stream::ReceivedFrame& 
         try {
             set_ = std::make_unique<recordings::RecordingSet>(
                 std::array{file_}, head, recordings::RecordingPatience::none(stop_),
-                [this](const std::string& text) { text_ = text; });
+                [this](const std::string& text) {
+                    if (!is_being_saved_) {  // else the status tells, and this is another thread
+                        text_ = text;
+                    }
+                });
         } catch (const std::exception& error) {
             tap_.reset();
             text_ = error.what();
@@ -125,6 +146,7 @@ void ScopeRecorder::take(stream::RunReceiver& run, const stream::ReceivedFrame& 
 Json ScopeRecorder::state() const {
     return {{"allowed", folder_.has_value()},
             {"on", is_on()},
+            {"folder", folder_ ? folder_->string() : ""},
             {"file", file_},
             {"text", text_},
             {"samples", samples_},

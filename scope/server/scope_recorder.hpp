@@ -3,6 +3,7 @@
 
 #include <atomic>
 #include <filesystem>
+#include <future>
 #include <memory>
 #include <optional>
 #include <string>
@@ -30,8 +31,12 @@ public:
     /// Records from the next frame on. @param ending of a recording's name: "sigmf-meta"
     /// @returns the fault, if there is one
     std::optional<std::string> begin(Tap tap, const std::string& ending);
+    /// Lets another thread save the recording: a slow disk holds nothing up.
     void end();
-    bool is_on() const noexcept { return tap_.has_value(); }
+    /// Looks whether it is saved.
+    void advance();
+    /// Also while it is being saved.
+    bool is_on() const noexcept { return tap_.has_value() || is_being_saved_; }
     std::optional<Tap> tap() const noexcept { return tap_; }
 
     /// @param meta the last one, with the changes of the scene so far
@@ -51,6 +56,8 @@ private:
     std::int64_t known_epoch_ = 0;  // of the latest change that the recording has
     std::uint64_t missing_ = 0;
     std::unique_ptr<recordings::RecordingSet> set_;
+    std::atomic<bool> is_being_saved_{false};
+    std::future<recordings::RecordingSet::Status> saved_;  // last: its thread uses the others
 };
 
 }  // namespace hertzline::scope

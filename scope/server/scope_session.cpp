@@ -18,8 +18,12 @@ namespace {
 constexpr std::chrono::milliseconds longest_wait{4};
 constexpr double shared_every_s = 0.05;
 
+/// Seconds since 1970 by the clock of the process's beginning: a clock that is set does not disturb what is due.
 double since_1970_s() {
-    return std::chrono::duration<double>(std::chrono::system_clock::now().time_since_epoch()).count();
+    using Seconds = std::chrono::duration<double>;
+    static const Seconds at_zero = Seconds(std::chrono::system_clock::now().time_since_epoch()) -
+                                   Seconds(std::chrono::steady_clock::now().time_since_epoch());
+    return (at_zero + std::chrono::steady_clock::now().time_since_epoch()).count();
 }
 
 /// Returns the scene in a stream's meta as a scene file; null where it has no valid one.
@@ -74,6 +78,7 @@ void ScopeSession::advance() {
     for (const PageEvent& event : server_.events()) {
         take(event);
     }
+    recorder_.advance();
     knobs_.follow(is_running() ? std::optional(listener_.run_id()) : std::nullopt);
     for (Knobs::Reply& reply : knobs_.replies(!pages_.empty(), now_s_)) {
         if (const auto page = pages_.find(reply.page); page != pages_.end()) {
@@ -116,7 +121,9 @@ void ScopeSession::take_request(PageId id, ScopePage& page, const std::string& t
     } else if (request.contains("set") || request.contains("undo")) {
         knobs_.ask(request, id);
     } else if (request.contains("scene")) {
-        page.reply({{"scene_toml", scene_toml(listener_.meta())}});
+        const Json toml = scene_toml(listener_.meta());
+        page.reply(toml.is_null() ? Json{{"error", "scene: there is no stream yet"}}
+                                  : Json{{"scene_toml", toml}});
     } else if (request.contains("record")) {
         take_recording_request(page, request["record"]);
     } else {

@@ -5,7 +5,7 @@ import json
 import matplotlib.pyplot as plt
 import numpy as np
 
-from .recordings import drive_frequency, recording_of
+from .recordings import drive_frequency, furthest_from_0, recording_of
 from .style import COLOURS, WrongUse, titled, unit_of_time, use_style
 from .tables import open_hdf5
 from .waveforms import draw
@@ -113,7 +113,7 @@ def extremes(samples, width):
     """Of each stretch of this many samples the one furthest from 0, so that no peak is lost."""
     begins = np.arange(0, samples.shape[1], width)
     high, low = np.maximum.reduceat(samples, begins, axis=1), np.minimum.reduceat(samples, begins, axis=1)
-    return np.where(high >= -low, high, low)
+    return furthest_from_0(low, high)
 
 
 def draw_waterfall(waves, title):

@@ -9,6 +9,11 @@ MAX_STRETCHES = 8192  # of a waveform, and levels of a spectrum: some for each p
 MAX_SPECTRUM = 1 << 20  # samples
 
 
+def furthest_from_0(low, high):
+    """Of each stretch, by its smallest and largest sample, the one that is furthest from 0: no peak is lost."""
+    return np.where(high >= -low, high, low)
+
+
 @dataclasses.dataclass(eq=False)
 class Recording:
     """A recording as it is drawn: smallest and largest samples of stretches, and the samples of its spectrum."""

@@ -5,7 +5,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.collections import LineCollection
 
-from .recordings import MAX_STRETCHES
+from .recordings import MAX_STRETCHES, furthest_from_0
 from .spectra import HARMONICS, draw_spectrum, prepare_spectrum
 from .style import COLOURS, note, scale_of_unit, titled, unit_of_time, use_style
 
@@ -80,7 +80,7 @@ def is_map(panel):
 def draw_chain(axes, panel, unit_s):
     """Draws one quantity of all spheres, or contacts, over time."""
     recording = panel[0][0]
-    values = np.array([(recording.low[column] + recording.high[column]) / 2 for _, column in panel])
+    values = np.array([furthest_from_0(recording.low[column], recording.high[column]) for _, column in panel])
     numbers = [int(re.search(r"\d+", recording.columns[column][0])[0]) for _, column in panel]
     _, quantity, unit = recording.columns[panel[0][1]]
     quantity = OF_CHAIN[quantity]
@@ -98,8 +98,11 @@ def draw_chain(axes, panel, unit_s):
     axes.figure.colorbar(image, ax=axes, label=f"{quantity} [{of}]", pad=0.01)
 
 
-def draw_panel(wave, lines, panel, colours, unit_s, highest, drive, many):
-    """Draws one column of each recording: waveforms and spectra. With many recordings their names are in it."""
+def draw_panel(wave, lines, panel, colours, ends, unit_s, highest, drive, many):
+    """Draws one column of each recording: waveforms and spectra. With many recordings their names are in it.
+
+    ends: of the time axis, which all panels share [s].
+    """
     scale = scale_of_unit(max(largest_of(recording, column) for recording, column in panel))
     prepare_spectrum(lines, highest, drive)
     peaks, bands = [], []
@@ -114,8 +117,7 @@ def draw_panel(wave, lines, panel, colours, unit_s, highest, drive, many):
         length = len(part) / recording.rate
         if length < 0.999 * (recording.ends[1] - recording.ends[0]):
             bands.append(f"of {length:.3g} s from {recording.part_from:.4g} s on")
-    wave.set_xlim(min(recording.ends[0] for recording, _ in panel) / unit_s,
-                  max(max(recording.ends[1], recording.ends[0] + 1 / recording.rate) for recording, _ in panel) / unit_s)
+    wave.set_xlim(ends[0] / unit_s, ends[1] / unit_s)
     wave.grid(axis="y")
     note(lines, bands)
     if many:
@@ -140,8 +142,9 @@ def draw(recordings, title, rows=None):
     drive = next((recording.drive for recording in recordings if recording.drive), None)
     nyquist = max(recording.rate for recording in recordings) / 2
     highest = min(nyquist, (HARMONICS + 0.5) * drive if drive else nyquist)
-    span = max(recording.ends[1] for recording in recordings) - min(recording.ends[0] for recording in recordings)
-    unit_s, unit = unit_of_time(span)
+    ends = (min(recording.ends[0] for recording in recordings),
+            max(max(recording.ends[1], recording.ends[0] + 1 / recording.rate) for recording in recordings))
+    unit_s, unit = unit_of_time(ends[1] - ends[0])
     if rows is None:
         _, rows = plt.subplots(len(panels), 2, figsize=(10, 1.0 + sum(3.5 if is_map(panel) else 1.8 for panel in panels)), sharex="col",
                                layout="constrained", squeeze=False)
@@ -154,7 +157,7 @@ def draw(recordings, title, rows=None):
             draw_chain(rows[number, 0], panel, unit_s)
             continue
         colours = [COLOURS[(recordings.index(recording) if many else number) % len(COLOURS)] for recording, _ in panel]
-        draw_panel(wave, lines, panel, colours, unit_s, highest, drive, many)
+        draw_panel(wave, lines, panel, colours, ends, unit_s, highest, drive, many)
     epochs = "      dotted: live changes" if any(recording.epochs for recording in recordings) else ""
     rows[-1, 0].set_xlabel(f"time [{unit}]" + epochs)
     for lines in [rows[number, 1] for number, panel in enumerate(panels) if not is_map(panel)][-1:]:

@@ -42,9 +42,11 @@ class Recording(Samples):
         if self._t is None:
             if not self.sample_rate_hz > 0:
                 raise ValueError("t: the file has no sample rate, allowed: load(path, sample_rate_hz=...)")
-            samples = np.arange(self._native.rows)
-            for first, row in self._native.stretches:
-                samples[row:] = first + np.arange(self._native.rows - row)
+            samples = np.empty(self._native.rows, dtype=np.int64)
+            stretches = self._native.stretches
+            ends = [row for _, row in stretches[1:]] + [self._native.rows]
+            for (first, row), end in zip(stretches, ends):
+                samples[row:end] = first + np.arange(end - row)
             self._t = samples / self._native.sample_rate_hz
             self._t.setflags(write=False)
         return self._t
