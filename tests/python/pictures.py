@@ -65,6 +65,32 @@ class Pictures(InAFolder):
         recording = _draw.recording_of(gap, about)
         self.assertEqual((len(recording.low[0]), int(np.isnan(recording.low[0]).sum()), len(recording.parts[0])), (5000, 3000, 1000))
 
+    def test_the_map_of_a_chain_shows_every_peak(self):
+        from hertzline import _draw
+        t = np.arange(40_000) / 1e6  # more samples than stretches of the map
+        samples = {"t_s": t, **{f"v{k}_m_per_s": 0.3 * k * np.sin(2 * np.pi * 73e3 * t) for k in range(1, 5)}}
+        about = {"columns": [(f"v{k}_m_per_s", "v_chain", "m/s") for k in range(1, 5)], "sample_rate_hz": 1e6}
+        figure = _draw.draw([_draw.recording_of(samples, about)], "")
+        image, = [image for axes in figure.axes for image in axes.images]
+        peaks = np.abs(image.get_array()).max(axis=1)
+        self.assertTrue(np.allclose(peaks / peaks[-1], [0.25, 0.5, 0.75, 1]))
+        self.assertTrue(np.allclose(np.abs(image.get_array()[3, :-1]).min() / peaks[3], 1, atol=0.3), "no stretch is averaged away")
+        matplotlib.pyplot.close(figure)
+
+    def test_panels_of_several_recordings_share_their_time(self):
+        from hertzline import _draw
+
+        def recording(count, names):
+            samples = {"t_s": np.arange(count) / 1e6, **{name: np.ones(count) for name in names}}
+            return _draw.recording_of(samples, {"columns": [(name, name, "m/s") for name in names], "sample_rate_hz": 1e6})
+
+        figure = _draw.draw([recording(1000, ["v_out", "v_last"]), recording(2000, ["v_out"])], "")
+        for wave in figure.axes[::2]:
+            self.assertEqual(wave.get_xlim(), figure.axes[0].get_xlim())
+            for line in wave.get_lines():
+                self.assertLessEqual(max(line.get_xdata()), wave.get_xlim()[1])
+        matplotlib.pyplot.close(figure)
+
     def test_of_a_search(self):
         found = hertzline.optimise(short_scene(), {"chain.preload_n": "0.1..1:log"}, maximise="peak_v_out_m_per_s",
                                    evaluations=30)
