@@ -83,7 +83,7 @@ std::optional<double> side_lobe_db(const Run& run) {
         auto i = static_cast<std::ptrdiff_t>(beam.loudest);
         const auto at = [&p](std::ptrdiff_t place) { return p[static_cast<std::size_t>(place)]; };
         const auto inside = [&p](std::ptrdiff_t place) { return place >= 0 && place < std::ssize(p); };
-        while (inside(i + direction) && at(i + direction) < at(i)) {
+        while (inside(i + direction) && at(i + direction) <= at(i)) {
             i += direction;
         }
         for (i += direction; inside(i); i += direction) {

@@ -100,18 +100,34 @@ Warnings scene_warnings(const Resolution& resolved) {
     return scene_warnings(resolved, Chain(element_scene(resolved.scene, 0)));
 }
 
+/// A warning's words: those of several elements may differ in numbers.
+static std::string without_numbers(std::string text) {
+    std::erase_if(text, [](char c) { return (c >= '0' && c <= '9') || c == '.' || c == '-' || c == 'e'; });
+    return text;
+}
+
 Warnings scene_warnings(const Resolution& resolved, const Chain& chain) {
     Warnings warnings;
     if (auto missed = missed_accuracy(resolved)) {
         warnings.push_back(*std::move(missed));
     }
     append(warnings, unused_key_warnings(resolved.scene));
-    if (is_array(resolved.scene)) {
-        append(warnings, validity_warnings(element_scene(resolved.scene, 0), chain));
-        append(warnings, array_warnings(resolved.scene));
-    } else {
+    if (!is_array(resolved.scene)) {
         append(warnings, validity_warnings(resolved.scene, chain));
+        return warnings;
     }
+    for (std::size_t element = 0; element < chains_of(resolved.scene); ++element) {
+        const Scene one = element_scene(resolved.scene, element);
+        for (std::string& text : validity_warnings(one, element == 0 ? chain : Chain(one))) {
+            const auto says_the_same = [&](const std::string& other) {
+                return without_numbers(other) == without_numbers(text);
+            };
+            if (std::ranges::none_of(warnings, says_the_same)) {
+                warnings.push_back(std::move(text));
+            }
+        }
+    }
+    append(warnings, array_warnings(resolved.scene));
     return warnings;
 }
 

@@ -96,9 +96,12 @@ std::vector<std::string> run_warnings(const Scene& scene) {
 }
 
 double burst_shown_ratio(const Scene& scene) {
-    return scene.drive.kind == DriveKind::none
-               ? 1
-               : std::min(1.0, scene.output.duration_s / first_burst_end_s(scene));
+    if (scene.drive.kind == DriveKind::none) {
+        return 1;
+    }
+    const double burst_s = burst_duration_s(scene.drive);
+    const double begin_s = first_burst_end_s(scene) - burst_s;
+    return std::clamp((scene.output.duration_s - begin_s) / burst_s, 0.0, 1.0);
 }
 
 std::optional<double> ringing_ratio(const Scene& scene, std::span<const double> v_out) {

@@ -100,7 +100,11 @@ void append_samples(const Samples& block, Tap tap, const Scene& scene, std::vect
 
 /// Keeps the next samples.
 void keep(Run& run, const Samples& block, const EndModel& end) {
-    run.peak_v_last = std::max(run.peak_v_last, peak_of(block[Tap::v_last]));
+    const std::size_t elements = block.channels(Tap::v_last);
+    for (std::size_t i = elements > 1 ? middle_element(run.resolved.scene) : 0; i < block[Tap::v_last].size();
+         i += elements) {
+        run.peak_v_last = std::max(run.peak_v_last, std::abs(block[Tap::v_last][i]));
+    }
     if (block.taps().contains(Tap::p_points)) {
         keep_points(run, block);
     }

@@ -335,7 +335,10 @@ std::int64_t ArraySolver::steps() noexcept {
 std::int64_t ArraySolver::contact_events() const noexcept {
     std::int64_t sum = 0;
     for (const auto& member : members_) {
-        sum += member->solver->contact_events() * static_cast<std::int64_t>(member->elements.size());
+        for (const auto& [element, delay_s] : member->elements) {
+            const DelayedChains::Account* const late = account_of(element);
+            sum += late != nullptr ? late->contact_events : member->solver->contact_events();
+        }
     }
     return sum;
 }

@@ -277,15 +277,9 @@ void Reconstruction::finish(std::vector<Polynomial>& pieces) {
     const std::int64_t windows = (settled + block - 1) / block;
     const std::int64_t needed = ((windows + 1) * block + below) * every + lowpass_.half();
     const std::vector<double> held(static_cast<std::size_t>(needed - real), rest);
-    // held samples are no part of the record, and no noise
-    const std::int64_t seen = seen_;
-    const double kept = kept_;
-    const double taken = taken_;
+    real_ = real;
     append(held, pieces);
     received_ = real;
-    seen_ = seen;
-    kept_ = kept;
-    taken_ = taken;
     if (pieces.empty()) {
         return;
     }
@@ -307,7 +301,8 @@ void Reconstruction::take_block(std::int64_t first) {
     }
     for (std::ptrdiff_t k = 0; k < block; ++k) {
         const auto i = static_cast<std::size_t>(k);
-        if (first + k * lowpass_.every() >= lowpass_.half()) {
+        const std::int64_t middle = first + k * lowpass_.every();
+        if (middle >= lowpass_.half() && middle + lowpass_.half() < real_) {
             const double value = values_[i];
             const double taken = samples[lowpass_.half() + k * lowpass_.every()] - value;
             kept_ += value * value;

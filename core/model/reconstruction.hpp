@@ -7,6 +7,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <span>
 #include <vector>
 
@@ -100,6 +101,8 @@ private:
     double kept_ = 0;
     double taken_ = 0;
     std::int64_t seen_ = 0;
+    std::int64_t real_ =
+        std::numeric_limits<std::int64_t>::max();  ///< samples; held ones behind them are no noise
 };
 
 }  // namespace hertzline

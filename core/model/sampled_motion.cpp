@@ -61,15 +61,15 @@ std::vector<double> levelled(const Drive& drive, double rate, RecordFacts& facts
     return samples;
 }
 
-/// The noise, if all that the low-pass takes is white noise. @param edge of the low-pass [Hz]
-void note_noise(const Reconstruction& record, double rate, double edge, DriveQuantity quantity,
-                RecordFacts& facts) {
-    const double density = record.taken() / (rate / 2 - record.lowpass().middle_hz());
+/// The noise, if all that the low-pass takes is white noise; the low-pass is taken to end where it leaves half.
+void note_noise(const Reconstruction& record, double rate, DriveQuantity quantity, RecordFacts& facts) {
+    const double middle = record.lowpass().middle_hz();
+    const double density = record.taken() / (rate / 2 - middle);
     facts.beyond_share = record.kept() > 0 ? std::sqrt(record.taken() / record.kept()) : 0;
     facts.noise = std::sqrt(density * rate / 2);
-    facts.noise_velocity = std::sqrt(density * edge);
+    facts.noise_velocity = std::sqrt(density * middle);
     if (quantity == DriveQuantity::displacement) {
-        facts.noise_velocity *= 2 * pi * edge / std::sqrt(3);
+        facts.noise_velocity *= 2 * pi * middle / std::sqrt(3);
     }
 }
 
@@ -93,7 +93,7 @@ SampledMotion::SampledMotion(const Drive& drive) {
     Reconstruction reconstruction(rate, edge, quantity);
     reconstruction.append(record, pieces_);
     reconstruction.finish(pieces_);
-    note_noise(reconstruction, rate, edge, quantity, facts_);
+    note_noise(reconstruction, rate, quantity, facts_);
     note_motion(edge);
     const double first = quantity == DriveQuantity::velocity ? record[0] : (record[1] - record[0]) * rate;
     facts_.raw_start_share = facts_.largest_velocity > 0 ? std::abs(first) / facts_.largest_velocity : 0;

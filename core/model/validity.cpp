@@ -217,10 +217,19 @@ void add_record(const Scene& scene, std::vector<std::string>& warnings) {
         warnings);
 }
 
-/// When the wave can reach the end of the chain: none is faster than a long one in a chain pressed as far as the drive can. It goes a
-/// diameter in sqrt(m / k_t), and the cut-off is sqrt(4 k_t / m) / (2 pi).
+/// When the wave of the horn, or of the spheres that start with a velocity, can reach the end of the chain: none is faster than a long
+/// one in a chain pressed as far as the drive can. It goes a diameter in sqrt(m / k_t), and the cut-off is sqrt(4 k_t / m) / (2 pi).
 double soonest_wave_s(const Scene& scene) {
-    return static_cast<double>(scene.chain.spheres) / (std::numbers::pi * fastest_contact_hz(scene));
+    const double of_a_sphere = 1 / (std::numbers::pi * fastest_contact_hz(scene));
+    const auto after = [&](std::int64_t spheres) { return static_cast<double>(spheres) * of_a_sphere; };
+    double soonest = std::numeric_limits<double>::infinity();
+    if (scene.chain.impact_velocity_m_per_s != 0) {
+        soonest = after(std::max<std::int64_t>(scene.chain.spheres - scene.chain.impact_spheres, 0));
+    }
+    if (scene.drive.kind != DriveKind::none) {
+        soonest = std::min(soonest, scene.drive.start_s + after(scene.chain.spheres));
+    }
+    return std::isfinite(soonest) ? soonest : after(scene.chain.spheres);
 }
 
 std::string deep_contact(double ratio, std::string_view when) {

@@ -101,24 +101,20 @@ void check_element(const Scene& scene, std::vector<Fault>& faults) {
     }
 }
 
-/// Each element's burst lies within its period.
-void check_bursts(const Scene& scene, std::vector<Fault>& faults) {
-    const Drive& drive = scene.drive;
-    if (drive.kind != DriveKind::tone || !(drive.repetition_hz > 0)) {
-        return;
-    }
-    const std::vector<double> delays = element_delays_s(scene);
-    const double latest = drive.start_s + *std::max_element(delays.begin(), delays.end());
-    const double last = 1 / drive.repetition_hz - drive.cycles / drive.frequency_hz;
-    if (latest > last) {
-        faults.push_back({"array.delays_s",
-                          number_text(latest) + " s for the latest element, with drive.start_s",
-                          "at most 1 / repetition_hz - cycles / frequency_hz = " + number_text(last) +
-                              " s: a burst lies within its period"});
-    }
-}
-
 }  // namespace
+
+std::optional<Fault> late_burst_fault(const Scene& scene, double burst_s) {
+    const Drive& drive = scene.drive;
+    const double latest = drive.start_s + std::ranges::max(element_delays_s(scene));
+    const double last = 1 / drive.repetition_hz - burst_s;
+    constexpr double rounding = 1e-12;  // of a period
+    if (!(drive.repetition_hz > 0 && latest > last + rounding / drive.repetition_hz)) {
+        return std::nullopt;
+    }
+    return Fault{"array.delays_s", number_text(latest) + " s for the latest element, with drive.start_s",
+                 "at most 1 / repetition_hz - " + number_text(burst_s) +
+                     " s of a burst = " + number_text(last) + " s: a burst lies within its period"};
+}
 
 std::vector<double> element_delays_s(const Scene& scene) {
     const Array& array = scene.array;
@@ -238,7 +234,11 @@ void check_array(const Scene& scene, std::vector<Fault>& faults) {
         check_element(scene, faults);
     }
     if (faults.empty()) {
-        check_bursts(scene, faults);
+        if (const Drive& drive = scene.drive; drive.kind == DriveKind::tone) {
+            if (auto late = late_burst_fault(scene, drive.cycles / drive.frequency_hz)) {
+                faults.push_back(*std::move(late));
+            }
+        }
     }
 }
 

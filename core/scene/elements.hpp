@@ -4,6 +4,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "hertzline/scene.hpp"
@@ -21,6 +22,10 @@ inline std::size_t chains_of(const Scene& scene) noexcept {
 
 /// Delays of the elements' drives [s]: their own, and those that focus their sound. @param scene has passed validate()
 std::vector<double> element_delays_s(const Scene& scene);
+
+/// The fault of an array whose bursts repeat and of which the latest element's does not lie within its period.
+/// @param burst_s length of a burst, or of the record that moves the horn
+std::optional<Fault> late_burst_fault(const Scene& scene, double burst_s);
 
 /// An element as a scene of its own, with its drive as late as it is. @param scene has passed validate() @param element from 0 on
 Scene element_scene(const Scene& scene, std::size_t element);

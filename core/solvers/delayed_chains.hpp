@@ -19,11 +19,12 @@ namespace hertzline {
 
 class DelayedChains {
 public:
-    /// The energy of the leading chain at the end of a piece.
+    /// The energy of the leading chain at the end of a piece, and the events of its contacts so far.
     struct Account {
         FixedTime at;  ///< [samples]
         Ledger ledger;
         Solver::Energy energy;
+        std::int64_t contact_events = 0;
     };
 
     /// @param chain the leading one, which outlives the object @param scene its own

@@ -103,7 +103,10 @@ SeriesSolver::SeriesSolver(const ResolvedScene& resolved, const Chain& chain,
     piece_.unit_s = unit;
     piece_.per_unit = 1 / unit;
     scale_ = velocity_scale(chain, drive, omega);
-    relative_tolerance_ = std::clamp(at_one * std::pow(omega * unit, exponent), rounding, coarsest);
+    // stiffer contacts beyond those that pilots saw must not make pieces coarser than the pilots' were
+    const double judged =
+        fastest_frequency(chain, overlaps.head(std::min<Eigen::Index>(overlaps.size(), judged_spheres + 1)));
+    relative_tolerance_ = std::clamp(at_one * std::pow(judged * unit, exponent), rounding, coarsest);
     piece_.response = unit * (omega + fastest_decay(chain, overlaps));
     samples_per_unit_ = unit / sample_period_s_;
     horn_.move(piece_);
@@ -219,7 +222,8 @@ void SeriesSolver::leave_piece() noexcept {
     if (delayed_ != nullptr && state_.step > 0) {
         put_delayed(std::numeric_limits<std::int64_t>::max());
         if (piece_.keeps_ledger) {
-            delayed_->note({.at = end_, .ledger = ledger(), .energy = energy()});
+            delayed_->note(
+                {.at = end_, .ledger = ledger(), .energy = energy(), .contact_events = contact_events()});
         }
     }
     plate_outputs_.leave_piece({begin_, end_});

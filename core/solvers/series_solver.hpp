@@ -55,6 +55,10 @@ public:
 
     static double memory_bytes(double bodies, DampingLaw law) noexcept;
 
+    /// The error of a longer chain is estimated on so many of its first spheres (core/step_choice), which therefore set the tolerance of
+    /// its pieces.
+    static constexpr std::int64_t judged_spheres = 500;
+
     /// Longest piece, as phase of the chain's fastest oscillation, at which a piece's relative error is
     /// allowed to be `tolerance`.
     static double phase_for(double tolerance) noexcept;

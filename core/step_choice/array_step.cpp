@@ -80,6 +80,12 @@ Resolution of_chains(const Scene& asked, Choice choice, const std::atomic<bool>*
             chain.numerics.accuracy = std::max(of_a_chain * result.advice.accuracy, 1e-15);
         }
         result.faults = model_faults(chain);
+        if (result.faults.empty() && has_samples(asked.drive)) {
+            if (auto late = late_burst_fault(asked, burst_duration_s(asked.drive))) {
+                result.faults = {*std::move(late)};
+                return result;
+            }
+        }
         const bool guess = result.faults.empty() && choice == Choice::guessed;
         std::optional<Resolution> one = guess ? resolve_unmeasured(chain) : std::nullopt;
         if (!one && result.faults.empty()) {

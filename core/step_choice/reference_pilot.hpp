@@ -4,6 +4,7 @@
 #include <optional>
 
 #include "core/model/chain.hpp"
+#include "core/solvers/series_solver.hpp"
 #include "core/step_choice/pilot.hpp"
 #include "hertzline/resolve.hpp"
 
@@ -25,7 +26,7 @@ inline constexpr double finest_piece_error = 1e-15;
 double step_of_reference(const Scene& scene, const Chain& chain, double piece_error);
 
 /// The spheres of a long chain that pilots simulate.
-inline constexpr std::int64_t pilot_spheres = 500;
+inline constexpr std::int64_t pilot_spheres = SeriesSolver::judged_spheres;
 
 /// The first spheres of a long chain.
 Scene shortened(Scene scene);

@@ -67,6 +67,10 @@ TEST(ArrayCommands, CheckJudgesTheElementsThatThereAre) {
     const Words last{"--set", "array.preloads_n=[0.1,0.1,60]"};
     EXPECT_THAT(hertzline(on_an_array({"check", "wet-vitreous-carbon"}, last)).err,
                 testing::ContainsRegex("contacts press harder .*sphere - sphere [0-9]{4,} MPa at rest"));
+    EXPECT_THAT(hertzline(on_an_array({"check", "wet-vitreous-carbon"},
+                                      {"--set", "array.materials=[aluminium,aluminium,acrylic]"}))
+                    .err,
+                HasSubstr("the strength of acrylic is not known"));
 }
 
 TEST(ArrayCommands, OutputsOfEachSphereAreRefused) {

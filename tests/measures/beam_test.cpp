@@ -32,6 +32,7 @@ TEST(Beam, ASpotThatTheLineCutsHasNoWidth) {
 TEST(Beam, ASideLobeLiesBeyondAMinimum) {
     EXPECT_NEAR(measures::side_lobe_db(with_peaks({5, 10, 2, 100, 1, 20, 3})).value(), -13.979, 1e-3);
     EXPECT_FALSE(measures::side_lobe_db(with_peaks({10, 50, 100, 50, 10})));
+    EXPECT_FALSE(measures::side_lobe_db(with_peaks({30, 33, 33, 30})));
 }
 
 TEST(Beam, PointsThatAreNoLineInItsOrderHaveNoSpot) {

@@ -99,6 +99,10 @@ TEST(RecordWarnings, TheirNumbersAreThere) {
     EXPECT_FALSE(ringing_ratio(scene, ringing_record(scene, 200e-6, 500e-6)).has_value());
     scene.output.duration_s = 25e-6;
     EXPECT_DOUBLE_EQ(burst_shown_ratio(scene), 0.25);
+    scene.drive.start_s = 20e-6;
+    EXPECT_NEAR(burst_shown_ratio(scene), 0.05, 1e-9);
+    scene.drive.start_s = 30e-6;
+    EXPECT_EQ(burst_shown_ratio(scene), 0);
 }
 
 TEST(BandWarnings, TellOfWhatLiesBelow) {

@@ -66,6 +66,21 @@ TEST(Run, AMotionThatGoesOnKeepsTheEnergiesOfThoseBefore) {
     EXPECT_NEAR(in_parts.radiated, whole.radiated, 1e-6 * whole.radiated);
 }
 
+TEST(Run, PeaksOfAnArrayAreThoseOfItsMiddleElement) {
+    Scene scene = read_scene("wet-vitreous-carbon");
+    scene.drive.cycles = 1;
+    scene.output.duration_s = 50e-6;
+    scene.array.x_m = {0, 30e-3};
+    scene.array.y_m = {0, 0};
+    scene.array.coupling = Coupling::none;
+    scene.array.amplitudes_m = {0.1e-6, 3e-6};
+    const hertzline::Run array = run(scene);
+    scene.array = {};
+    scene.drive.amplitude_m = 0.1e-6;
+    EXPECT_NEAR(array["peak_v_last_m_per_s"], run(scene)["peak_v_last_m_per_s"],
+                1e-3 * array["peak_v_last_m_per_s"]);
+}
+
 TEST(Run, ThePeakAtThePointsIsThatOfAllSamples) {
     Scene scene = read_scene("wet-vitreous-carbon");
     scene.drive.cycles = 3;

@@ -191,6 +191,16 @@ TEST(Validity, ARunThatEndsBeforeTheWaveArrivesIsNoticed) {
     EXPECT_THAT(late_wave_warning(scene).value_or(""), HasSubstr("the run ends after 0.0005 s"));
     scene.output.duration_s = 0.1;  // 10 m at 100 m/s: slower than any wave in it
     EXPECT_FALSE(late_wave_warning(scene));
+    scene.drive.start_s = 0.1;
+    EXPECT_TRUE(late_wave_warning(scene));
+    scene.chain.spheres = 100;
+    scene.drive.kind = DriveKind::none;
+    scene.drive.start_s = 0;
+    scene.chain.impact_velocity_m_per_s = 0.1;
+    scene.output.duration_s = 30e-6;
+    EXPECT_TRUE(late_wave_warning(scene));
+    scene.chain.impact_spheres = 99;
+    EXPECT_FALSE(late_wave_warning(scene));
 }
 
 TEST(Validity, ARunThatEndsBeforeItsSoundArrivesIsNoticed) {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numbers>
 #include <string>
 #include <vector>
 
@@ -15,11 +16,13 @@
 #include "hertzline/scene_file.hpp"
 #include "hertzline/simulation.hpp"
 #include "tests/support/modal_scenes.hpp"
+#include "tests/support/records.hpp"
 #include "tests/support/reference.hpp"
 
 namespace hertzline::test {
 namespace {
 
+using ::testing::AllOf;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
@@ -364,6 +367,36 @@ TEST(Array, AFaultOfOneElementNamesIt) {
     const Resolution settled = resolve(scene);
     ASSERT_FALSE(settled.faults.empty());
     EXPECT_THAT(settled.faults.front().message(), HasSubstr("of element 2 of the array"));
+}
+
+TEST(Array, EachRecordLiesWithinItsPeriod) {
+    Scene scene = row_of_chains(2, 30e-3);
+    scene.numerics = {};
+    scene.drive = sampled(
+        [](double t) { return 1e-6 * std::pow(std::sin(std::numbers::pi * std::min(t, 50e-6) / 50e-6), 4); },
+        10e6, 60e-6);
+    scene.drive.repetition_hz = 10e3;
+    scene.array.delays_s = {0, 50e-6};
+    const Resolution settled = resolve(scene);
+    ASSERT_FALSE(settled.faults.empty());
+    EXPECT_THAT(settled.faults.front().message(),
+                AllOf(HasSubstr("array.delays_s: found 5e-05 s"), HasSubstr("lies within its period")));
+}
+
+TEST(Array, ALaterChainCountsTheEventsThatItHasHad) {
+    Scene scene = row_of_chains(2, 30e-3);
+    scene.array.coupling = Coupling::none;
+    scene.array.delays_s = {0, 60e-6};
+    scene.chain.preload_n = 0;
+    const auto events = [](const Scene& of) {
+        Simulation simulation(of, {.taps = Tap::v_last});
+        EXPECT_EQ(simulation.skip(1000), Status::running);
+        return simulation.contact_events();
+    };
+    const auto first = events(element_scene(scene, 0));
+    const auto second = events(element_scene(scene, 1));
+    EXPECT_GT(first, second + 5);
+    EXPECT_NEAR(static_cast<double>(events(scene)), static_cast<double>(first + second), 2);
 }
 
 TEST(Array, StartsAgainAfterAReset) {

@@ -175,6 +175,26 @@ TEST(Promises, SpheresAheadOfTheWaveDoNotMatter) {
     }
 }
 
+TEST(Promises, StifferContactsBeyondThePilotsMakeNoPieceCoarser) {
+    // the last of these spheres are far smaller than those that pilots simulate
+    Scene scene;
+    scene.drive.cycles = 3;
+    scene.end.kind = EndKind::wall;
+    scene.chain.spheres = 1500;
+    scene.chain.taper = 1e-3;
+    scene.output.sample_rate_hz = 2e6;
+    constexpr std::size_t samples = 201;
+    const Record run = recorded(settled(scene), samples);
+    const Record truth = recorded(with_step(scene, Integrator::taylor12, 30e-9), samples);
+    double error = 0;
+    double size = 0;
+    for (std::size_t i = 0; i < run.chain_v.size(); ++i) {
+        error += std::pow(run.chain_v[i] - truth.chain_v[i], 2);
+        size += std::pow(truth.chain_v[i], 2);
+    }
+    EXPECT_LT(std::sqrt(error / size), default_accuracy);
+}
+
 TEST(Promises, AdvancingAllocatesNothing) {
     if (HERTZLINE_ALLOCATIONS_ARE_COUNTED == 0) {
         GTEST_SKIP() << "sanitizers bring an allocator of their own";
