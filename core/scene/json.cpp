@@ -8,8 +8,6 @@
 #include <string>
 #include <utility>
 
-#include "core/scene/text.hpp"
-
 namespace hertzline {
 
 namespace {
@@ -37,10 +35,8 @@ public:
         }
         return keys_[depth_].insert(key).second || stop("a key twice in one object");
     }
-    bool parse_error(std::size_t position, const std::string& last_token,
-                     const nlohmann::detail::exception&) override {
-        const std::string found = last_token.empty() ? "its end" : quoted_briefly(last_token);
-        return stop("not JSON: found " + found + " at byte " + std::to_string(position));
+    bool parse_error(std::size_t position, const std::string&, const nlohmann::detail::exception&) override {
+        return stop("not JSON from byte " + std::to_string(position) + " on");
     }
 
 private:

@@ -47,8 +47,8 @@ TEST(JsonFromOutside, ReadsTheColumnsOfAMillionSpheres) {
 TEST(JsonFromOutside, RefusesWhatIsNestedTooDeeplyOrNoJson) {
     const std::string deep(100'000, '[');
     EXPECT_THAT(error_of([&] { json_from_outside(deep); }), HasSubstr("nested too deeply"));
-    EXPECT_THAT(error_of([] { json_from_outside("{"); }), HasSubstr("not JSON: found its end at byte 2"));
-    EXPECT_THAT(error_of([] { json_from_outside("{} x"); }), HasSubstr("not JSON: found \"x\" at byte 4"));
+    EXPECT_THAT(error_of([] { json_from_outside("{"); }), HasSubstr("not JSON from byte 2 on"));
+    EXPECT_THAT(error_of([] { json_from_outside("{} x"); }), HasSubstr("not JSON from byte 4 on"));
 }
 
 // Read in quadratic time some of them would take hours: the test's own time limit is enough.
