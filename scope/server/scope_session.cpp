@@ -20,10 +20,12 @@ constexpr double shared_every_s = 0.05;
 
 /// Seconds since 1970 by the clock of the process's beginning: a clock that is set does not disturb what is due.
 double since_1970_s() {
-    using Seconds = std::chrono::duration<double>;
-    static const Seconds at_zero = Seconds(std::chrono::system_clock::now().time_since_epoch()) -
-                                   Seconds(std::chrono::steady_clock::now().time_since_epoch());
-    return (at_zero + std::chrono::steady_clock::now().time_since_epoch()).count();
+    const auto seconds = [](auto time) {
+        return std::chrono::duration<double>(time.time_since_epoch()).count();
+    };
+    using std::chrono::steady_clock;
+    static const double at_zero = seconds(std::chrono::system_clock::now()) - seconds(steady_clock::now());
+    return at_zero + seconds(steady_clock::now());
 }
 
 /// Returns the scene in a stream's meta as a scene file; null where it has no valid one.
