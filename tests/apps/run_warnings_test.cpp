@@ -60,7 +60,8 @@ TEST(Run, AndStreamReadTheRecordOfTheDriveOnce) {
     const TemporaryFolder folder;
     std::string record = "t_s,x_um\n";
     for (int i = 0; i < 100; ++i) {
-        record += fmt::format("{:.1e},{:.3f}\n", 1e-6 * i, std::sin(0.5 * i));
+        record +=
+            fmt::format("{:.1e},{:.6f}\n", 1e-6 * i, std::sin(0.5 * i) * std::pow(std::sin(0.0314 * i), 4));
     }
     write_text(folder.file("horn.csv"), record);
     write_text(folder.file("device.toml"), "[drive]\nkind = 'file'\nfile = 'horn.csv'\nscale = 2e-6\n");
