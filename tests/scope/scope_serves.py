@@ -304,7 +304,7 @@ def strangers_are_refused(stand):
             page.text(lambda m: any("columns" in reply.get("error", "") for reply in m.get("replies", [])))
             page.send_frame(1, b"[" * 10_000)
             page.text(lambda m: any("error" in reply for reply in m.get("replies", [])))
-            page.send_frame(1, b" " * 20_000)  # longer than any message of a page
+            page.send_frame(1, b" " * 70_000)  # longer than any message of a page
             try:
                 page.until(lambda m: False)
             except (EOFError, ConnectionError):
