@@ -83,11 +83,11 @@ std::vector<std::string> run_warnings(const Scene& scene) {
         return warnings;
     }
     if (ends_within_burst(scene)) {
+        const double burst_end_s = first_burst_end_s(scene);
         warnings.push_back(
             fmt::format("the run ends at {:g} s, within the burst of {:g} s: peaks and spectrum are those of "
                         "its beginning; {} would hold the burst",
-                        scene.output.duration_s, first_burst_end_s(scene),
-                        duration_setting(1.5 * first_burst_end_s(scene))));
+                        scene.output.duration_s, burst_end_s, duration_setting(1.5 * burst_end_s)));
     }
     if (const auto found = cut_off(scene); scene.drive.kind != DriveKind::none && found) {
         warnings.push_back(*found);

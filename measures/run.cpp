@@ -85,6 +85,11 @@ void keep_points(Run& run, const Samples& block) {
     run.peak_p_points = peak_of(run.peaks_p_points);
 }
 
+/// The channel that is measured: of an array the middle element's.
+std::size_t measured_channel(const Samples& block, Tap tap, const Scene& scene) {
+    return block.channels(tap) > 1 ? middle_element(scene) : 0;
+}
+
 /// Appends the tap's samples; of an array those of the middle element.
 void append_samples(const Samples& block, Tap tap, const Scene& scene, std::vector<double>& values) {
     const std::span<const double> all = block[tap];
@@ -93,17 +98,17 @@ void append_samples(const Samples& block, Tap tap, const Scene& scene, std::vect
         values.insert(values.end(), all.begin(), all.end());
         return;
     }
-    for (std::size_t i = middle_element(scene); i < all.size(); i += channels) {
+    for (std::size_t i = measured_channel(block, tap, scene); i < all.size(); i += channels) {
         values.push_back(all[i]);
     }
 }
 
 /// Keeps the next samples.
 void keep(Run& run, const Samples& block, const EndModel& end) {
-    const std::size_t elements = block.channels(Tap::v_last);
-    for (std::size_t i = elements > 1 ? middle_element(run.resolved.scene) : 0; i < block[Tap::v_last].size();
-         i += elements) {
-        run.peak_v_last = std::max(run.peak_v_last, std::abs(block[Tap::v_last][i]));
+    const std::span<const double> of_last = block[Tap::v_last];
+    for (std::size_t i = measured_channel(block, Tap::v_last, run.resolved.scene); i < of_last.size();
+         i += block.channels(Tap::v_last)) {
+        run.peak_v_last = std::max(run.peak_v_last, std::abs(of_last[i]));
     }
     if (block.taps().contains(Tap::p_points)) {
         keep_points(run, block);

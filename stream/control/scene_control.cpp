@@ -244,7 +244,7 @@ void SceneControl::prepare(Job& job) {
     if (factor < std::min(least_real_time_factor, job.factor / 2) && !job.force) {
         const std::string key = job.asked.size() == 1 ? job.asked.begin().key() : "";
         job.faults.push_back(
-            {key, real_time_factor_text(factor) + ", at which the stream all but stops",
+            {key, real_time_factor_text(factor) + ", at which the stream nearly stops",
              fmt::format("{} and more; to insist: \"force\": true, or --force of hertzline set",
                          least_real_time_factor)});
         return;
@@ -264,7 +264,7 @@ void SceneControl::prepare(Job& job) {
         std::back_inserter(job.warnings));
     if (factor < least_real_time_factor) {
         job.warnings.push_back(real_time_factor_text(factor) +
-                               ": the stream all but stops; an undo begins anew from static equilibrium");
+                               ": the stream nearly stops; an undo begins anew from static equilibrium");
     }
     job.next = std::move(next);
 }

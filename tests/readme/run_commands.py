@@ -3,8 +3,8 @@
 
 A shell runs each command as it stands, in a folder that looks like the project's. A stream, or a replay that waits for a subscriber,
 continues during the commands after it until another one takes its port or the document ends; Ctrl-C then ends it. NOT_RUN lists the
-commands that are not run, with reasons. A line that is neither a command nor listed fails the test. A block of TOML whose first line is "# FILE.toml: ..." is saved under
-that name. A block of "output" has lines that the commands since the last such block print, in their order; "..." stands for others.
+commands that are not run, with reasons. A line that is neither a command nor listed fails the test. A block of TOML whose first line is
+"# FILE.toml: ..." is saved under that name. A block of "output" has lines that the commands since the last such block print, in their order; "..." stands for others.
 """
 import os
 import pathlib
