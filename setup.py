@@ -13,6 +13,7 @@ import sys
 import pybind11
 from setuptools import Extension, setup
 from setuptools.command.build_ext import build_ext
+from setuptools.command.sdist import sdist
 
 ROOT = pathlib.Path(__file__).resolve().parent
 GIVEN_BUILD = os.environ.get("HERTZLINE_BUILD")
@@ -26,6 +27,19 @@ def numpy():
     """Returns the versions of NumPy that the module can read: pybind11 knows the layout of NumPy 2 from 2.12 on."""
     used = search(r"^HERTZLINE_PYBIND11:.*=(.+)", pathlib.Path(GIVEN_BUILD) / "CMakeCache.txt") if GIVEN_BUILD else pybind11.__version__
     return "numpy>=1.24" if tuple(map(int, used.split(".")[:2])) >= (2, 12) else "numpy>=1.24,<2"
+
+
+class WithCommit(sdist):
+    """Writes the commit into the copied sources, as `git archive` does: no repository goes with them."""
+
+    def make_release_tree(self, base_dir, files):
+        super().make_release_tree(base_dir, files)
+        described = subprocess.run(["git", "-C", ROOT, "describe", "--always", "--dirty", "--abbrev=40", "--exclude=*"],
+                                   capture_output=True, text=True, check=False)
+        path = pathlib.Path(base_dir, "cmake/GitHash.cmake")
+        text = path.read_text(encoding="utf-8").replace("$Format:%H$", described.stdout.strip() or "$Format:%H$")
+        path.unlink()  # perhaps a second name of the original
+        path.write_text(text, encoding="utf-8")
 
 
 class CMakeBuild(build_ext):
@@ -52,4 +66,4 @@ class CMakeBuild(build_ext):
 
 
 setup(version=search(r"^project\(hertzline VERSION (\S+)", ROOT / "CMakeLists.txt"), install_requires=[numpy()],
-      ext_modules=[Extension("hertzline._native", [])], cmdclass={"build_ext": CMakeBuild})
+      ext_modules=[Extension("hertzline._native", [])], cmdclass={"build_ext": CMakeBuild, "sdist": WithCommit})

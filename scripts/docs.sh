@@ -13,10 +13,11 @@ fi
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 
-# The sources: the project without builds and packages, and a page of all headers.
+# The sources: the project without builds, packages and files that git ignores, and a page of all headers.
 mkdir "$work/source"
 ln -s "$PWD"/* "$PWD/docs/manual/index.rst" "$work/source"
 rm -f "$work/source/build" "$work/source/debian" "$work/source"/obj-*
+{ git check-ignore -- * 2>/dev/null || true; } | while read -r ignored; do rm -f "$work/source/$ignored"; done
 {
     printf 'Headers\n=======\n\nAll names lie in the namespace ``hertzline``.\n'
     for header in include/hertzline/*.hpp; do

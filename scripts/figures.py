@@ -182,20 +182,18 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__.split("\n", maxsplit=1)[0])
     parser.add_argument("--program", default="build/release/hertzline", help="the hertzline to run (%(default)s)")
     parser.add_argument("--out", type=pathlib.Path, default="docs", help="folder of the picture (%(default)s)")
-    parser.add_argument("--csv-dir", type=pathlib.Path, help="draw SCENE.csv files of this folder, run nothing")
     arguments = parser.parse_args()
     arguments.out.mkdir(parents=True, exist_ok=True)
     with tempfile.TemporaryDirectory() as temporary:
-        folder = arguments.csv_dir or pathlib.Path(temporary)
-        if not arguments.csv_dir:
-            run_scenes(arguments.program, folder)
-            run_models(arguments.program, folder)
+        folder = pathlib.Path(temporary)
+        run_scenes(arguments.program, folder)
+        run_models(arguments.program, folder)
         draw_all(lambda scene: folder / f"{scene}.csv", arguments.out / "paper-result.png")
         draw_models(lambda model: folder / f"model-{model}.csv", arguments.out / "plate-in-water.png")
         scene = re.search(r"^```toml\n(.*?)^```", TUTORIAL.read_text(encoding="utf-8"), re.M | re.S)[1]
-        pathlib.Path(temporary, DEVICE).write_text(scene, encoding="utf-8")
+        (folder / DEVICE).write_text(scene, encoding="utf-8")
         for command, options, picture in TABLES:
-            draw_table(arguments.program, pathlib.Path(temporary), command, options, arguments.out / f"{picture}.png")
+            draw_table(arguments.program, folder, command, options, arguments.out / f"{picture}.png")
     print(*(arguments.out / f"{name}.png" for name in ("paper-result", "plate-in-water", *(picture for *_, picture in TABLES))), sep="\n")
 
 

@@ -7,6 +7,8 @@ case "${1:-}" in
 --tests) passed_over="docs optional" ;;
 --docs) passed_over="tests optional" ;;
 --optional) passed_over="" ;;
+'') ;;
+*) echo "install_packages.sh: found $1, allowed: --tests, --docs, --optional" >&2 && exit 2 ;;
 esac
 
 installed() { # PACKAGE [COMMAND]
@@ -26,13 +28,12 @@ while read -r first second third; do
 done <"$(dirname "$0")/packages.txt"
 [ -n "$missing" ] || exit 0
 
-as_root=""
+as_root="env"
 if [ "$(id -u)" -ne 0 ]; then
     command -v sudo >/dev/null || { echo "Missing packages:$missing. Install them as root, or install sudo." >&2; exit 1; }
-    as_root=sudo
+    as_root="sudo env" # sudo passes no variables on
 fi
 echo "Installing:$missing" >&2
-export DEBIAN_FRONTEND=noninteractive
 $as_root apt-get update -qq
 # shellcheck disable=SC2086  # a list of words
-$as_root apt-get install -y -qq --no-install-recommends $missing >/dev/null
+$as_root DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends $missing >/dev/null

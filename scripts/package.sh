@@ -7,6 +7,7 @@
 #                                       13; the packages in Debian 12: installation, debian/tests, upgrade, purge
 # Needs what debian/control builds with (apt build-dep .) and lintian; for the modes locales, patchelf or debootstrap.
 set -euo pipefail
+umask 022 # the modes of files are part of the bytes
 cd "$(dirname "$0")/.."
 mode=build
 case "${1:-}" in --*) mode=${1#--} && shift ;; esac
@@ -21,13 +22,13 @@ fail() {
     exit 1
 }
 
-need() { # PROGRAM PACKAGE
-    PATH=$PATH:/usr/sbin command -v "$1" >/dev/null || fail "needs Debian's $2"
+need() { # PROGRAM-OR-FILE PACKAGE
+    [ -e "$1" ] || PATH=$PATH:/usr/sbin command -v "$1" >/dev/null || fail "needs Debian's $2"
 }
 
 build() { # FOLDER [NAME=VALUE...]: builds the last commit there, and leaves the packages in it
     mkdir -p "$1/tree"
-    git archive HEAD | tar -x -C "$1/tree"
+    git archive HEAD | tar -x --no-same-permissions -C "$1/tree"
     echo "Building the packages of $(git rev-parse --short HEAD) ..." >&2
     # the date of every file
     date=SOURCE_DATE_EPOCH=$(git log -1 --format=%ct)
@@ -44,7 +45,7 @@ make_archive() {
     archive=$work/$name documents=$work/$name/share/doc/hertzline
     mkdir -p "$archive"/{bin,lib} "$documents/libraries"
     cp "$work/package/usr/bin/hertzline" "$archive/bin"
-    cp -r "$work/package/usr/share/hertzline" "$archive/share"
+    cp -r "$work"/package/usr/share/{hertzline,man,bash-completion,zsh,fish} "$archive/share"
     cp LICENSING.md "$documents"
     loaded=$(debian/loaded_libraries.sh "$archive/bin")
     # shellcheck disable=SC2086  # a list of words
@@ -55,7 +56,7 @@ make_archive() {
         cp --dereference "$library" "$archive/lib"
         cp "/usr/share/doc/$package/copyright" "$documents/libraries/$package"
     done
-    for package in libcli11-dev libeigen3-dev libfmt-dev libhwy-dev libjemalloc-dev libspdlog-dev libtomlplusplus-dev nlohmann-json3-dev; do
+    for package in cppzmq-dev libcli11-dev libeigen3-dev libfmt-dev libhwy-dev libjemalloc-dev libspdlog-dev libtomlplusplus-dev nlohmann-json3-dev; do
         cp "/usr/share/doc/$package/copyright" "$documents/libraries/$package" # compiled into the program
     done
     # shellcheck disable=SC2016  # the loader expands it; RPATH, unlike RUNPATH, holds for the libraries' libraries as well
@@ -144,7 +145,7 @@ build)
     ls "$folder"
     ;;
 reproducible)
-    need localedef locales
+    need /usr/share/i18n/locales/tr_TR locales
     mkdir "$work/locales"
     localedef -i tr_TR -f UTF-8 "$work/locales/tr_TR.UTF-8"
     build "$work/again" LOCPATH="$work/locales" LC_ALL=tr_TR.UTF-8 TZ=Pacific/Chatham

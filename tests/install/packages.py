@@ -19,6 +19,7 @@ NOT_PACKAGED = {
     "libgmock-dev": "tests are not built",
     "librapidcheck-dev": "tests are not built",
     "libbenchmark-dev": "benchmarks are not built",
+    "python3-venv": "pip installs nothing",
 }
 
 

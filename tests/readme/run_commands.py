@@ -22,6 +22,7 @@ PROGRAMS = re.compile(r"(\./)?(build/\w+|scripts|bench/\w+|apps/clients|tests)/[
                       r"(hertzline|mpirun|sbatch|cmake|ctest|ninja|npm|node|octave-cli|python3?|sh|git|sudo|export|c\+\+|pkg-config)$")
 
 BUILDS = "builds the project"
+BUILDS_WHEEL = "builds the module for minutes; the tests python/wheel and python/source_package check the rest"
 MINUTES = "takes minutes, or needs an idle machine"
 INSTALL = "the tests install/ do it"
 CLANG = "needs clang, and minutes"
@@ -35,7 +36,7 @@ NOT_RUN = {
         "sudo apt build-dep . && sudo apt install lintian patchelf": PACKAGES,
         "./scripts/package.sh && sudo apt install ./build/packages/*.deb": PACKAGES,
         "./scripts/package.sh --archive": PACKAGES,
-        "python3 -m venv env && env/bin/pip install .": "builds; the test python/wheel does it without a network",
+        "python3 -m venv env && env/bin/pip install .": BUILDS_WHEEL,
     },
     "CONTRIBUTING.md": {
         "./scripts/test.sh": "runs this",
@@ -56,9 +57,9 @@ NOT_RUN = {
         "from zmq.auth import load_certificate": "a part; apps/python_client_of_an_encrypted_stream has them",
     },
     "apps/python/README.md": {
-        "python3 -m venv env && env/bin/pip install .": "builds; the test python/wheel does it without a network",
-        "python3 -m venv --system-site-packages env && env/bin/pip install --no-build-isolation .": "builds; the test python/wheel does it",
-        "python3 -m build --wheel --no-isolation": "builds; the test python/wheel does it",
+        "python3 -m venv env && env/bin/pip install .": BUILDS_WHEEL,
+        "python3 -m venv --system-site-packages env && env/bin/pip install --no-build-isolation .": BUILDS_WHEEL,
+        "python3 -m build --wheel --no-isolation": BUILDS_WHEEL,
     },
     "bench/README.md": {
         "./scripts/build.sh release": BUILDS,
