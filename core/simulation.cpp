@@ -158,7 +158,8 @@ double Simulation::energy_residual() noexcept {
     const Ledger now = ledger();
     const double moved = std::max(
         {now.gross_work, now.lost, now.holder_lost, now.kinetic_at_start, solver_->energy().kinetic});
-    return moved > 0 ? energy_missing() / moved : 0;
+    const double missing = energy_missing();
+    return moved > 0 || !std::isfinite(missing) ? missing / moved : 0;
 }
 
 double Simulation::fit_error() const noexcept {

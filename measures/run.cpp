@@ -45,6 +45,11 @@ PlateEnergy sum_of(const PlateEnergy& a, const PlateEnergy& b) {
     return {a.passed + b.passed, a.lost + b.lost, a.held + b.held, a.radiated + b.radiated};
 }
 
+/// The larger one; NaN where either is NaN.
+double larger_or_nan(double a, double b) {
+    return std::isnan(a) || a > b ? a : b;
+}
+
 /// Adds the account of a simulation that is over. @param continues the next one continues its motion and ledger, and accounts for
 /// them
 void add_account(Run& run, Simulation& simulation, bool continues) {
@@ -57,7 +62,7 @@ void add_account(Run& run, Simulation& simulation, bool continues) {
                      simulation.state(element).peak_overlap);
     }
     if (!continues) {
-        run.energy_residual = std::max(run.energy_residual, simulation.energy_residual());
+        run.energy_residual = larger_or_nan(run.energy_residual, simulation.energy_residual());
         const Ledger ledger = simulation.ledger();
         run.holder_lost += ledger.holder_lost;
         if (chain.horn_inv_mass > 0) {

@@ -241,7 +241,8 @@ void SeriesSolver::next_piece() noexcept {
     }
     const double left_s = std::min(horn_.left_s(begin_), difference(last_moment_, begin_) * sample_period_s_);
     ++state_.step;
-    sleeping_ = rest_energy_ > 0 && piece_.waves.silent && energy_above_rest() <= rest_energy_;
+    sleeping_ =
+        rest_energy_ > 0 && piece_.waves.silent && energy_above_rest() + plate_energy() <= rest_energy_;
     if (sleeping_) {
         sleep();
         constexpr double longest = 1e15;  // [samples]: for good
@@ -305,13 +306,18 @@ Status SeriesSolver::take_piece() noexcept {
     return !(piece_.largest < 1e300) || is_still() ? Status::unstable : Status::running;
 }
 
+/// Of the chain; that of a modal plate's modes is plate_energy().
 double SeriesSolver::energy_above_rest() noexcept {
     const ChainState& now = state(0);
     return kinetic_energy(chain_, now) + stored_energy(chain_, now, 0) -
-           (ledger_.at_start - ledger_.kinetic_at_start) + (plate_ ? plate_->energy() : 0);
+           (ledger_.at_start - ledger_.kinetic_at_start);
 }
 
-/// Puts the chain to exact rest; the rest of its motion counts as lost.
+double SeriesSolver::plate_energy() const noexcept {
+    return plate_ ? plate_->energy() : 0;
+}
+
+/// Puts the chain and the plate to exact rest; the rest of their motion counts as lost in them.
 void SeriesSolver::sleep() noexcept {
     const double left = energy_above_rest();
     ledger_ = ledger();
@@ -322,6 +328,7 @@ void SeriesSolver::sleep() noexcept {
                 simd_chain_.column(kernels::ChainField::overlap));
     piece_.reset_motion();
     if (plate_) {
+        plate_->lost += plate_->energy();
         plate_->rest();
     }
 }

@@ -73,6 +73,7 @@ private:
     Status take_piece() noexcept;
     void add_work_of_jump(double before_m) noexcept;
     double energy_above_rest() noexcept;
+    double plate_energy() const noexcept;
     void sleep() noexcept;
     double loss_in_holder() const noexcept;
     bool is_still() noexcept;

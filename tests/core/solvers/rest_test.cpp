@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 
+#include "core/model/energy.hpp"
 #include "hertzline/resolve.hpp"
 #include "tests/support/reference.hpp"
 #include "tests/support/runs.hpp"
@@ -50,6 +51,15 @@ TEST(Rest, TakesFewerPiecesAndKeepsTheBooks) {
     EXPECT_LT(asleep.steps(), 0.75 * static_cast<double>(awake.steps()));
     EXPECT_LE(asleep.energy_residual(), 1e-6);
     EXPECT_EQ(asleep.contact_events(), awake.contact_events());
+}
+
+TEST(Rest, BooksTheEnergyOfAModalPlateOnce) {
+    Scene scene = bursts(1e-2);
+    scene.end.model = PlateModel::modal;
+    Simulation simulation(scene);
+    ASSERT_EQ(simulation.skip(three_bursts), Status::running);
+    EXPECT_EQ(simulation.ledger().plate_held, 0);
+    EXPECT_LE(simulation.energy_residual(), 1e-9);
 }
 
 TEST(Rest, NeverComesWhereRestIsNotTheStartingPoint) {
