@@ -11,6 +11,7 @@
 #include "core/scene/text.hpp"
 #include "measures/measuring.hpp"
 #include "measures/provenance.hpp"
+#include "measures/resources.hpp"
 #include "measures/tap_names.hpp"
 #include "stream/inputs/estimate_watch.hpp"
 #include "stream/inputs/simulation_source.hpp"
@@ -61,7 +62,7 @@ nlohmann::ordered_json publish(const Resolution& resolved, const PublishOptions&
     streamed.about = measures::provenance_json(resolved, streamed.run);
     stream::SimulationSource source(scene.scene(), {});
     stream::PublisherOptions limits;
-    limits.queue_bytes = stream::usual_queue_bytes();
+    limits.queue_bytes = stream::usual_queue_bytes(measures::available_memory_bytes());
     limits.largest_message = stream::largest_frame_bytes(source.format());
     stream::Publisher publisher(options.endpoint, stream::all_topics, limits);
     const auto warn = options.warn ? options.warn : [](const std::string&) {};

@@ -16,6 +16,7 @@
 #include "apps/arguments/options.hpp"
 #include "apps/console/signals.hpp"
 #include "core/scene/text.hpp"
+#include "measures/resources.hpp"
 #include "measures/tap_names.hpp"
 #include "stream/pipeline/capacity.hpp"
 #include "stream/pipeline/stream_messages.hpp"
@@ -168,8 +169,8 @@ stream::StreamOptions stream_options(const PublishRequest& request, double sampl
 stream::PublisherOptions publisher_options(const PublishRequest& request, const stream::StreamFormat& format,
                                            std::optional<stream::CurveServer> curve) {
     stream::PublisherOptions options;
-    options.queue_bytes =
-        request.queue_bytes ? static_cast<double>(*request.queue_bytes) : stream::usual_queue_bytes();
+    options.queue_bytes = request.queue_bytes ? static_cast<double>(*request.queue_bytes)
+                                              : stream::usual_queue_bytes(measures::available_memory_bytes());
     options.max_clients = request.max_clients.value_or(std::min(options.max_clients, most_clients()));
     options.largest_message = stream::largest_frame_bytes(format);
     options.curve = std::move(curve);

@@ -2,8 +2,6 @@
 
 #include <algorithm>
 
-#include "measures/resources.hpp"
-
 namespace hertzline::stream {
 
 namespace {
@@ -67,9 +65,8 @@ double largest_frame_bytes(const StreamFormat& format) noexcept {
            sizeof(float);
 }
 
-double usual_queue_bytes() {
+double usual_queue_bytes(std::optional<std::uint64_t> available) noexcept {
     constexpr double most = 1024.0 * 1024 * 1024;
-    const auto available = measures::available_memory_bytes();
     return available ? std::min(most, static_cast<double>(*available) / 8) : most;
 }
 

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <optional>
 
 #include "stream/inputs/sample_source.hpp"
 #include "stream/pipeline/pacer.hpp"
@@ -33,7 +34,7 @@ double ring_bytes(const StreamFormat& format, Pace pace = Pace::realtime()) noex
 /// Bytes of the largest frame.
 double largest_frame_bytes(const StreamFormat& format) noexcept;
 
-/// The default memory for queues of slow subscribers: an eighth of the available memory, at most 1 GiB.
-double usual_queue_bytes();
+/// The default memory for queues of slow subscribers: an eighth of the available memory, at most 1 GiB, also where it is not known.
+double usual_queue_bytes(std::optional<std::uint64_t> available) noexcept;
 
 }  // namespace hertzline::stream

@@ -295,7 +295,7 @@ TEST(Listen, CtrlCSavesWhatCame) {
     Program listener({"listen", "--json", "--connect", stream.endpoint(), "-o", folder.file("heard.csv")});
     listener.messages_with("joined run");
     listener.send(SIGINT);
-    const Outcome outcome = listener.wait(std::chrono::seconds(10));
+    const Outcome outcome = listener.wait();
     EXPECT_EQ(outcome.json()["ended_by"], "stopped");
     EXPECT_EQ(csv_of(folder.file("heard.csv")).at("t_s").size(),
               outcome.json()["samples"].get<std::size_t>());

@@ -53,7 +53,12 @@ TEST_F(Optimise, TellsTheBestOfItsRows) {
     const json summary = outcome.json();
     EXPECT_LE(summary["evaluations"], 120);
     EXPECT_GT(summary["feasible"], 10);
-    EXPECT_GE(summary["starts"]["starts"], 2);
+    const json& starts = summary["starts"];
+    EXPECT_GE(starts["starts"], 2);
+    EXPECT_GE(starts["starts_at_best"], 1);
+    EXPECT_LE(starts["starts_ended"], starts["starts"]);
+    EXPECT_GE(summary["best"]["peak_v_out_m_per_s"], starts["starts_median"]);
+    EXPECT_GT(starts["starts_median"], starts["starts_worst"]);
     EXPECT_TRUE(summary["around"].contains("chain.preload_n.minus_1_percent") ||
                 summary["around"].contains("chain.preload_n.plus_1_percent"));
     const json& best = summary["best"];
@@ -131,6 +136,19 @@ TEST_F(Optimise, SaysWhenTheBestPointIsAtALimit) {
     EXPECT_THAT(list.err, AllOf(Not(HasSubstr("the best point lies at")), Not(HasSubstr("another seed"))));
 }
 
+TEST_F(Optimise, SaysWhenOneLocalSearchAloneFoundTheBestPoint) {
+    const Outcome few =
+        hertzline(with(with(search_scene, search_axes), {"--maximise", "peak_v_out_m_per_s", "--evaluations",
+                                                         "36", "--json", "-o", folder.file("f.csv")}));
+    EXPECT_EQ(few.json()["starts"]["starts_at_best"], 1);
+    EXPECT_THAT(few.err, HasSubstr("fewer than two local searches reached the best value"));
+    const Outcome slope =
+        hertzline(with(search_scene, {"--vary", "drive.amplitude_m=1um..2um", "--maximise",
+                                      "peak_v_last_m_per_s", "--json", "-o", folder.file("m.csv")}));
+    EXPECT_GE(slope.json()["starts"]["starts_at_best"], 2);
+    EXPECT_THAT(slope.err, Not(HasSubstr("fewer than two local searches")));
+}
+
 TEST_F(Optimise, IsDrawn) {
     ASSERT_EQ(optimised("p.h5").status, 0);
     const Outcome drawn = hertzline({"plot", folder.file("p.h5"), "-o", folder.file("p.svg")});
@@ -144,7 +162,7 @@ TEST_F(Optimise, IsDrawn) {
 class LongSearch : public Optimise {
 protected:
     Outcome interrupt(int signal) {
-        Program program(words);
+        Program program(with(words, {"--jobs", "1"}));  // it takes long enough on any machine
         wait_for_rows(journal);
         program.send(signal);
         return program.wait();

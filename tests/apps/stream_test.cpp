@@ -179,7 +179,7 @@ TEST(Stream, CtrlCEndsItWithASummaryAndAReadableRecording) {
         subscriber.subscribe("v_out/raw");
         ASSERT_NE(subscriber.receive(std::chrono::seconds(60)), nullptr);
         stream.send(signal);
-        const Outcome outcome = stream.wait(std::chrono::seconds(10));
+        const Outcome outcome = stream.wait();
         ASSERT_EQ(outcome.status, 0) << outcome.err;
         const auto recorded = csv_of(folder.file("r.csv"));
         EXPECT_EQ(recorded.at("t_s").size(), outcome.json()["samples"].get<std::size_t>());
@@ -238,7 +238,7 @@ TEST(Stream, CtrlCWhileWaitingForASubscriberEndsIt) {
     Program stream({"stream", "paper-stream", "--json", "--wait-for-subscriber", "--bind", any_port});
     stream.messages_with("waiting for a subscriber");
     stream.send(SIGINT);
-    const Outcome outcome = stream.wait(std::chrono::seconds(10));
+    const Outcome outcome = stream.wait();
     EXPECT_EQ(outcome.status, 0);
     EXPECT_EQ(outcome.json()["samples"], 0);
 }

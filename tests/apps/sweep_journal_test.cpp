@@ -93,10 +93,10 @@ TEST_F(SweepFiles, OfPartsThatAreNotAllThereAreRefused) {
 
 class LongSweep : public testing::Test {
 protected:
-    static constexpr int points = repeated(3000);
+    static constexpr int points = repeated(6000);
     /// Leaves a journal with some rows, of a program that was ended by a signal.
     Outcome interrupt(int signal) {
-        Program program(with(words, {"-o", file}));
+        Program program(with(words, {"-o", file, "--jobs", "1"}));  // it takes long enough on any machine
         wait_for_rows(journal);
         program.send(signal);
         return program.wait();
@@ -141,7 +141,9 @@ TEST_F(LongSweep, CtrlCSavesWhatThereIs) {
 }
 
 TEST_F(LongSweep, GoesOnWhereverItWasKilled) {
-    std::mt19937 random(std::random_device{}());
+    const unsigned seed = std::random_device{}();
+    SCOPED_TRACE(seed);
+    std::mt19937 random(seed);
     for (int kill = 0; kill < 6; ++kill) {
         Program program(with(words, {"-o", file, "--resume"}));
         std::this_thread::sleep_for(std::chrono::milliseconds(random() % 250));

@@ -49,7 +49,8 @@ def wall_clock_set_back(stand):
         before, begin = stream.first_frame()["sample"], time.monotonic()
         time.sleep(1)
         rate = (stream.first_frame()["sample"] - before) / (time.monotonic() - begin)
-        check((5_000 if stand.sanitized else 25_000) < rate < 100_000, f"{rate:.0f} samples a second instead of 50 000")
+        check(rate < 100_000, f"{rate:.0f} samples a second instead of 50 000")
+        wait_until(lambda: stream.first_frame()["sample"] > before + 25_000, "had half a second's samples")
 
 
 def _pipe_without_a_reader():

@@ -3,13 +3,18 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
+#include <limits>
+#include <map>
 #include <stdexcept>
+#include <string>
 #include <vector>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "core/model/energy.hpp"
 #include "hertzline/scene_file.hpp"
+#include "measures/measuring.hpp"
 #include "tests/support/error_of.hpp"
 
 namespace hertzline::test {
@@ -65,6 +70,68 @@ TEST(Run, AMotionThatGoesOnKeepsTheEnergiesOfThoseBefore) {
     EXPECT_GT(first.passed, 0.1 * all.passed);
     EXPECT_NEAR(all.passed, first.passed + second.passed, 0.02 * all.passed);
     EXPECT_NEAR(all.lost, first.lost + second.lost, 0.02 * all.lost);
+}
+
+TEST(Run, TheNumbersOfEnergyAreThoseOfTheLedger) {
+    Scene scene = read_scene("wet-vitreous-carbon");
+    scene.drive.horn = HornModel::resonator;
+    scene.drive.horn_mass_kg = 0.01;
+    scene.drive.cycles = 2;
+    scene.chain.holder_time_s = 1e-3;
+    scene.output.duration_s = 100e-6;
+    const Resolution resolved = resolve(scene);
+    const hertzline::Run done = run(resolved);
+    Simulation simulation(resolved);
+    ASSERT_EQ(simulation.skip(static_cast<std::int64_t>(done.rows())), Status::running);
+    const Ledger ledger = simulation.ledger();
+    const std::map<std::string, double> energies{
+        {"horn_source_j", ledger.source_work}, {"horn_lost_j", ledger.horn_lost},
+        {"horn_held_j", ledger.horn_held},     {"holder_lost_j", ledger.holder_lost},
+        {"plate_passed_j", ledger.passed},     {"plate_lost_j", ledger.plate_lost},
+        {"plate_held_j", ledger.plate_held},   {"radiated_j", ledger.radiated()},
+    };
+    for (const auto& [name, energy] : energies) {
+        EXPECT_NE(energy, 0) << name;
+        EXPECT_NEAR(done[name], energy, 1e-9 * std::abs(energy)) << name;
+    }
+    EXPECT_NEAR(done["plate_lost_j"] + done["plate_held_j"] + done["radiated_j"], done["plate_passed_j"],
+                1e-9 * done["plate_passed_j"]);
+}
+
+TEST(Run, ALedgerThatDoesNotCloseIsWarnedOf) {
+    hertzline::Run done = run(read_scene("paper-wall"));
+    const auto warnings = [&done](double residual) {
+        done.energy_residual = residual;
+        done.warnings.clear();
+        measures::measure(done, nullptr, std::nullopt);
+        return done.warnings;
+    };
+    EXPECT_THAT(warnings(0.2), testing::Contains(HasSubstr("energy_residual is 0.2 of what came")));
+    EXPECT_THAT(warnings(std::numeric_limits<double>::quiet_NaN()),
+                testing::Contains(HasSubstr("energy_residual is nan")));
+    EXPECT_THAT(warnings(0.09), testing::Each(testing::Not(HasSubstr("energy_residual"))));
+}
+
+TEST(Run, TheFirstArrivalIsThatOfHalfThePeakAtTheFirstPoint) {
+    hertzline::Run done = run(read_scene("paper-wall"));
+    done.p_first = {0, 0.5, -1.9, -2.1, 4, 3};
+    measures::measure(done, nullptr, std::nullopt);
+    EXPECT_EQ(done.first_arrival_s, 3 / done.scene().output.sample_rate_hz);
+}
+
+TEST(Run, TheFocalGainIsOverTheMiddleElementAlone) {
+    Scene scene = read_scene("wet-vitreous-carbon");
+    scene.drive.cycles = 1;
+    scene.output.duration_s = 60e-6;
+    scene.output.points_m = {{2e-3, 0, 20e-3}};
+    scene.array.x_m = {-8e-3, 1e-3, 8e-3};
+    scene.array.y_m = {0, 0, 0};
+    scene.array.coupling = Coupling::none;
+    const hertzline::Run array = run(scene);
+    scene.array = {};
+    scene.output.points_m = {{1e-3, 0, 20e-3}};
+    EXPECT_NEAR(array["focal_gain"], array["peak_p_points_pa"] / run(scene)["peak_p_points_pa"], 1e-3);
+    EXPECT_GT(array["focal_gain"], 1.01);
 }
 
 TEST(Run, PeaksOfAnArrayAreThoseOfItsMiddleElement) {

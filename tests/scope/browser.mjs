@@ -18,7 +18,7 @@ export async function open(started, url, options = {}) {
   page.faults = [];
   page.on('pageerror', (error) => page.faults.push(String(error)));
   page.on('console', (message) => { if (message.type() === 'error') { page.faults.push(message.text()); } });
-  page.setDefaultTimeout(30000);
+  page.setDefaultTimeout(120000);
   await page.goto(url);
   return page;
 }

@@ -133,7 +133,7 @@ inline double largest_energy_change(BareChain& chain, double at_rest, double put
     for (std::int64_t done = 0; done < steps; done += interval) {
         chain.advance(std::min(interval, steps - done));
         const double change = std::abs((chain.energy() - at_rest) / put_in - 1);
-        largest = change <= largest ? largest : change;  // a NaN stays
+        largest = std::isnan(largest) || change <= largest ? largest : change;  // a NaN stays
     }
     return largest;
 }

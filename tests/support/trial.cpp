@@ -85,7 +85,7 @@ Trial run(const Scene& scene) {
     const double rounding = 0.5 / simulation.chain().inv_mass[0] * std::pow(1e-9 * horn_speed, 2);
     const double turned_over =
         ledger.gross_work + ledger.lost + std::abs(ledger.at_start) + pressed + rounding;
-    trial.residual = turned_over > 0 ? simulation.energy_missing() / turned_over : 0;
+    trial.residual = turned_over <= 0 ? 0 : simulation.energy_missing() / turned_over;
     if (trial.outcome == Outcome::ran && !std::isfinite(trial.residual)) {
         trial.findings.emplace_back("the ledger is not finite");
     }

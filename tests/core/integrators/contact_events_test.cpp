@@ -74,7 +74,7 @@ TEST_P(ContactEvents, TheFaintestOverlapPushesAsHertzSays) {
     // two spheres let go while they overlap: the energy (2/5) k delta^(5/2) is shared
     for (const double overlap : {1e-6, 1e-12, 1e-24, 1e-100}) {
         if (is_series(GetParam()) && overlap < 1e-50) {
-            return;  // a series does not resolve overlaps that far below an atom's size
+            continue;  // a series does not resolve overlaps that far below an atom's size
         }
         const Chain chain = loose(2, 0).chain;
         const double rate = std::sqrt(chain.stiffness[1] * chain.inv_mass[0]) * std::pow(overlap, 0.25);

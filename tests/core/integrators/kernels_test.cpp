@@ -77,7 +77,10 @@ double difference(const std::vector<double>& a, const std::vector<double>& b) {
     double scale = 0;
     for (std::size_t i = 0; i < a.size(); ++i) {
         const double d = std::abs(a[i] - b[i]);
-        largest = d <= largest ? largest : d;  // a NaN stays
+        if (std::isnan(d)) {
+            return d;
+        }
+        largest = std::max(largest, d);
         scale = std::max(scale, std::abs(b[i]));
     }
     return largest / scale;

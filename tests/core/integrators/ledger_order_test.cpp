@@ -74,7 +74,8 @@ TEST(LedgerOrder, SeriesCloseItByTheLawOfTheirToleranceDownToRounding) {
     for (const Integrator integrator : series_integrators()) {
         for (const std::string& file : contact_scenes()) {
             const auto fall = residuals(file, integrator, 960e-9, 1.25, 7);
-            for (std::size_t i = 1; fall[i] > 2 * rounding; ++i) {
+            ASSERT_GT(fall[1], 2 * rounding) << file;
+            for (std::size_t i = 1; i < fall.size() && fall[i] > 2 * rounding; ++i) {
                 const double order = std::log(fall[i - 1] / fall[i]) / std::log(1.25);
                 EXPECT_GE(order, 12) << file << ' ' << i;
                 EXPECT_LE(order, 16) << file << ' ' << i;

@@ -51,7 +51,7 @@ TEST(ControlledStream, FramesKeepToTheirEpochAndNothingIsMissing) {
         subscriber.subscribe(meta_topic);
         subscriber.subscribe(topics_of(Tap::v_out).np);
         subscriber.subscribe(end_topic);
-        while (const Message* message = subscriber.receive(std::chrono::seconds(30))) {
+        while (const Message* message = subscriber.receive(patience)) {
             if (message->topic() == end_topic) {
                 return;
             }
@@ -132,10 +132,10 @@ TEST(ControlServer, AnswersNonsenseAndOutlivesStrangers) {
 }
 
 /// The message for a controller that gets no reply.
-std::string refusal(const ControlConnection& connection) {
-    const std::atomic<bool> never{false};
+std::string refusal(const ControlConnection& connection, bool stopped = false) {
+    const std::atomic<bool> stop{stopped};
     try {
-        return "a reply: " + ask_control(connection, {{"get", Json::array()}}, never).dump();
+        return "a reply: " + ask_control(connection, {{"get", Json::array()}}, stop).dump();
     } catch (const std::runtime_error& error) {
         return error.what();
     }
@@ -152,6 +152,8 @@ TEST(ControlServer, WhoGetsNoReplyIsToldWhy) {
                             other.control);
     Publisher publisher("tcp://127.0.0.1:*");
     EXPECT_THAT(refusal({"tcp://127.0.0.1:9", std::nullopt, 0.2}), HasSubstr("nothing is there"));
+    EXPECT_THAT(refusal({plain.endpoint(), std::nullopt, long_s}, true),
+                HasSubstr("stopped before a reply came"));
     EXPECT_THAT(refusal({encrypted.endpoint(), CurveClient{own, server_keys.public_key}, long_s}),
                 HasSubstr("it refused our key"));
     EXPECT_THAT(refusal({encrypted.endpoint(), CurveClient{own, own.public_key}, long_s}),

@@ -43,5 +43,11 @@ TEST(SamplesPerRelease, AreHalfAMillisecondUnlessTheRingIsTooShort) {
     EXPECT_EQ(samples_per_release(chain_of(1), Pace::factor(1e-6), 4), 1U);
 }
 
+TEST(QueueBytes, AreAnEighthOfTheAvailableMemoryAndAtMostAGibibyte) {
+    EXPECT_EQ(usual_queue_bytes(std::uint64_t{1} << 30), 1 << 27);
+    EXPECT_EQ(usual_queue_bytes(std::uint64_t{1} << 40), 1 << 30);
+    EXPECT_EQ(usual_queue_bytes(std::nullopt), 1 << 30);
+}
+
 }  // namespace
 }  // namespace hertzline::test

@@ -11,6 +11,7 @@
 #include "stream/wire/subscriber.hpp"
 #include "stream/wire/topics.hpp"
 #include "tests/support/counting_source.hpp"
+#include "tests/support/sockets.hpp"
 #include "tests/support/temporary_folder.hpp"
 
 namespace hertzline::test {
@@ -27,7 +28,8 @@ TEST(LastMessage, ReachesOneWhoseQueueIsFullAndWhoReadsAgainWithinTheLinger) {
                            .counts = {.spheres = 1, .points = 2},
                            .sample_rate_hz = 1e7,
                            .frame_samples = 1000});
-    Publisher publisher("ipc://" + folder.file("s"), all_topics, {.max_queue_length = 10, .linger = 20s});
+    Publisher publisher("ipc://" + folder.file("s"), all_topics,
+                        {.max_queue_length = 10, .linger = patience});
     std::atomic<bool> all_sent{false};
     std::int64_t heard = 0;
     bool ended = false;
@@ -38,7 +40,7 @@ TEST(LastMessage, ReachesOneWhoseQueueIsFullAndWhoReadsAgainWithinTheLinger) {
         all_sent.wait(false);
         std::this_thread::sleep_for(300ms);  // the first end has come to a full queue
         const Message* message = nullptr;
-        while (!ended && (message = subscriber.receive(30s)) != nullptr) {
+        while (!ended && (message = subscriber.receive(patience)) != nullptr) {
             ended = message->topic() == end_topic;
             heard += ended ? 0 : 1;
         }

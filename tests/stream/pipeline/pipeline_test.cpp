@@ -62,7 +62,7 @@ private:
         }
         subscriber.subscribe(end_topic);
         std::vector<float> part;
-        while (const Message* message = subscriber.receive(std::chrono::seconds(30))) {
+        while (const Message* message = subscriber.receive(patience)) {
             if (message->topic() == end_topic) {
                 return;
             }
@@ -290,7 +290,7 @@ std::uint64_t lost_by_a_visitor(const std::string& endpoint, std::uint64_t frame
     visitor.subscribe("v_last/np");
     ContinuityCheck check;
     while (check.totals().frames < frames) {
-        const Message* message = visitor.receive(std::chrono::seconds(30));
+        const Message* message = visitor.receive(patience);
         if (message == nullptr) {
             ADD_FAILURE() << "no frame came";
             break;
@@ -471,15 +471,18 @@ TEST(Pipeline, WithoutTimeForAllTheLargestTapsAreLeftOutAndCounted) {
 }
 
 TEST(Pipeline, DiscardsNothingOfALongChainWhoseSpheresNobodyWants) {
-    CountingSource source({.taps = everything,
-                           .counts = {.spheres = 1500, .points = 2},
-                           .sample_rate_hz = 1e7,
-                           .frame_samples = 1024});
-    Publisher publisher("tcp://127.0.0.1:*");
-    const StreamMeters meters =
-        run(options(Pace::realtime(), 5'000'000, StreamStart::at_once), source, publisher);
-    // An idle machine has none. Earlier it was every second one.
-    EXPECT_LT(meters.dropped_frames, meters.frames / 10);
+    // An idle machine discards none, a program that builds them every second one, each time.
+    const auto discards_few = [] {
+        CountingSource source({.taps = everything,
+                               .counts = {.spheres = 1500, .points = 2},
+                               .sample_rate_hz = 1e7,
+                               .frame_samples = 1024});
+        Publisher publisher("tcp://127.0.0.1:*");
+        const StreamMeters meters =
+            run(options(Pace::realtime(), 5'000'000, StreamStart::at_once), source, publisher);
+        return meters.dropped_frames < meters.frames / 10;
+    };
+    EXPECT_TRUE(eventually(discards_few));
 }
 
 TEST(Pipeline, StopsWhenAsked) {

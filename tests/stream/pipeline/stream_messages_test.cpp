@@ -14,6 +14,7 @@
 #include "stream/wire/topics.hpp"
 #include "tests/support/counting_source.hpp"
 #include "tests/support/error_of.hpp"
+#include "tests/support/sockets.hpp"
 
 namespace hertzline::test {
 
@@ -44,7 +45,7 @@ TEST(StreamMessages, MetaComesOnceASecondAndMetersTenTimesThoughNobodyNewComes) 
     std::thread listening([&] {
         Subscriber subscriber(publisher.endpoint());
         subscriber.subscribe("");  // once
-        while (const Message* message = subscriber.receive(30s)) {
+        while (const Message* message = subscriber.receive(patience)) {
             if (message->topic() == end_topic) {
                 return;
             }

@@ -159,7 +159,7 @@ public:
         });
     }
     bool has_heard(int messages) const {
-        for (const auto end = std::chrono::steady_clock::now() + 20s; heard_ < messages;) {
+        for (const auto end = std::chrono::steady_clock::now() + patience; heard_ < messages;) {
             if (std::chrono::steady_clock::now() > end) {
                 return false;
             }

@@ -17,6 +17,7 @@
 #include "stream/wire/security/zap.hpp"
 #include "stream/wire/subscriber.hpp"
 #include "stream/wire/topics.hpp"
+#include "tests/support/sockets.hpp"
 #include "tests/support/temporary_folder.hpp"
 
 namespace hertzline {
@@ -28,17 +29,8 @@ using namespace std::chrono_literals;
 using testing::ElementsAre;
 using testing::HasSubstr;
 
-template <class Condition>
-bool eventually(Condition condition) {
-    const auto end = std::chrono::steady_clock::now() + 20s;
-    while (!condition()) {
-        if (std::chrono::steady_clock::now() > end) {
-            return false;
-        }
-        std::this_thread::sleep_for(1ms);
-    }
-    return true;
-}
+using test::eventually;
+using test::patience;
 
 TEST(Curve, KeysAreForthAndBackAndNeverTheSame) {
     const KeyPair pair = make_key_pair();
@@ -76,7 +68,7 @@ protected:
         ASSERT_TRUE(eventually([&] { return publisher.poll_subscriptions(), publisher.wanted(topic); }));
         const std::string text(100'000, 'x');
         publisher.send(topic, text);
-        const Message* message = subscriber.receive(20s);
+        const Message* message = subscriber.receive(patience);
         ASSERT_NE(message, nullptr);
         EXPECT_EQ(message->text(0), text);
         EXPECT_FALSE(subscriber.refusal());

@@ -22,7 +22,7 @@ class Questions {
 public:
     explicit Questions(zmq::context_t& context) : socket_(context, zmq::socket_type::req) {
         socket_.set(zmq::sockopt::linger, 0);
-        socket_.set(zmq::sockopt::rcvtimeo, 20'000);
+        socket_.set(zmq::sockopt::rcvtimeo, 120'000);
         socket_.connect("inproc://zeromq.zap.01");
     }
     /// Sends a request. Returns the answer's parts.
