@@ -2,6 +2,7 @@
 // A recording: samples in a file with their full description. The file's ending picks the format; every format is
 // written and read through the two classes below.
 
+#include <atomic>
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
@@ -89,6 +90,8 @@ struct ReadOptions {
     std::optional<double> sample_rate_hz;
     /// Takes sentences about samples that are left out, or that may not be those of the recording; empty: warnings are dropped.
     std::function<void(const std::string&)> warn;
+    /// true: opening a pipe ends soon, and so does read(), without the rest of the rows; null: never. It outlives the reader.
+    const std::atomic<bool>* stop = nullptr;
 
     void tell(const std::string& warning) const {
         if (warn) {

@@ -12,6 +12,7 @@
 
 #include "core/scene/json.hpp"
 #include "core/scene/text.hpp"
+#include "hertzline/taps.hpp"
 #include "recordings/files/input_file.hpp"
 
 namespace hertzline::recordings {
@@ -91,8 +92,12 @@ void name_apart(std::vector<Column>& columns) {
         if (column.name.empty()) {
             column.name = column.quantity = fmt::format("channel_{}", i + 1);
         }
-        for (const std::string name = column.name; !names.insert(column.name).second;) {
+        const std::string name = column.name;
+        while (!names.insert(column.name).second) {
             column.name = fmt::format("{}_{}", name, uses[name]++ + 2);
+        }
+        if (column.quantity == name && !tap_named(name)) {
+            column.quantity = column.name;  // two of one name are two quantities
         }
     }
 }

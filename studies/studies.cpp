@@ -273,7 +273,7 @@ StudyTable sweep(const Scene& scene, const StudyKeys& vary, const StudyOptions& 
     };
     studies::SweepPlan plan = required(plan_of(scene, vary, make_plan), faults);
     const studies::PlanSummary summary =
-        studies::summary_of(plan, measures::measurable_among(options.measure));
+        studies::summary_of(plan, measures::measurable_among(options.measure), options.stop);
     studies::PointOptions point = point_options(options, plan, summary, faults);
     faults.refuse<std::invalid_argument>();
     const studies::Study study{std::move(plan), std::move(point), {}};
@@ -299,7 +299,7 @@ SearchOutcome optimise(const Scene& scene, const StudyKeys& vary, const SearchGo
     };
     const studies::SweepPlan sample = required(plan_of(scene, vary, make_sample), faults);
     const studies::PlanSummary summary =
-        studies::summary_of(sample, measures::measurable_among(options.measure));
+        studies::summary_of(sample, measures::measurable_among(options.measure), options.stop);
     request.axes = sample.axes();
     request.options = point_options(options, sample, summary, faults);
     check_search(request, faults);

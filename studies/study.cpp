@@ -187,11 +187,12 @@ std::size_t first_number(const Study& study) {
 
 }  // namespace
 
-PlanSummary summary_of(const SweepPlan& plan, TapSet measured) {
+PlanSummary summary_of(const SweepPlan& plan, TapSet measured, const std::atomic<bool>* stop) {
+    const auto stopped = [stop] { return stop != nullptr && *stop; };
     PointOptions largest;
     largest.measured = measured;
     PlanSummary summary;
-    for (std::int64_t point = 0; point < plan.size(); ++point) {
+    for (std::int64_t point = 0; point < plan.size() && !stopped(); ++point) {
         const Scene scene = plan.scene(point);
         if (const std::string refusal = scene_refusal(scene); !refusal.empty()) {
             if (summary.refused++ == 0) {

@@ -71,8 +71,8 @@ bool varies(const SweepPlan& plan, std::string_view key);
 void keep_waveforms(PointOptions& options, std::string_view name, const PlanSummary& plan,
                     std::string_view subject, Faults& faults);
 
-/// Looks at the scene of every point. @param measured beside v_out
-PlanSummary summary_of(const SweepPlan& plan, TapSet measured);
+/// Looks at the scene of every point. @param measured beside v_out @param stop true: no more; null: never
+PlanSummary summary_of(const SweepPlan& plan, TapSet measured, const std::atomic<bool>* stop = nullptr);
 
 /// Returns the text of the study's journal.
 std::string journal_text(const Study& study);

@@ -11,7 +11,10 @@ zmq_setsockopt(socket, ZMQ_SUBSCRIBE, [stream "/raw"]);
 v = single([]);
 while numel(v) < samples
   topic = zmq_recv(socket, 64);
-  frame = zmq_recv(socket, 2^20);  # bytes; what is longer would be cut
+  frame = zmq_recv(socket, 2^20);  # bytes; what is longer is cut
+  if numel(frame) == 2^20
+    error("found a frame of 1 MiB or more, allowed: less; output.frame_samples makes them shorter");
+  endif
   v = [v, reshape(typecast(frame, "single"), 1, [])];
 endwhile
 v = v(1:samples);

@@ -100,6 +100,10 @@ Json ask_control(const ControlConnection& connection, const Json& request, const
     std::optional<SocketMonitor> monitor;
     zmq::socket_t socket = control_socket(context, connection.endpoint, connection.curve, &monitor);
     const std::string text = ascii_json_text(request);
+    if (text.size() > max_request_bytes) {
+        throw std::runtime_error(
+            fmt::format("the request has {} bytes, allowed: at most {}", text.size(), max_request_bytes));
+    }
     const std::array parts{std::as_bytes(std::span(text))};
     send_parts(socket, parts);
     constexpr double day_s = 86400;

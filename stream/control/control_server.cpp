@@ -36,7 +36,7 @@ std::span<const std::byte> bytes_of(const std::string& text) noexcept {
 
 void set_options(zmq::socket_t& socket, const std::string& endpoint) {
     socket.set(zmq::sockopt::linger, linger_ms);
-    socket.set(zmq::sockopt::maxmsgsize, max_request_bytes);
+    socket.set(zmq::sockopt::maxmsgsize, static_cast<std::int64_t>(max_request_bytes));
     socket.set(zmq::sockopt::rcvhwm, 16);  // for each sender, whose further ones wait over there
     socket.set(zmq::sockopt::rcvbuf, 64 * 1024);
     socket.set(zmq::sockopt::sndhwm,

@@ -21,7 +21,7 @@
 namespace hertzline::stream {
 
 /// Longer requests are refused, and their sender is disconnected [bytes].
-inline constexpr std::int64_t max_request_bytes = 65536;
+inline constexpr std::size_t max_request_bytes = 65536;
 
 /// More controllers are refused.
 inline constexpr std::size_t most_controllers = 32;

@@ -23,17 +23,21 @@ std::string meta_json(const StreamOptions& options, const StreamFormat& format) 
                            {"dtype", "<f4"}});
     }
     Json meta = options.about;
-    meta.update(Json{
-        {"run", options.run},
-        {"epoch", options.epoch.number},
-        {"epoch_sample", options.epoch.first_sample},
-        {"epoch_burst", options.epoch.first_burst},
-        {"fs", format.sample_rate_hz},
-        {"frame_samples", format.frame_samples},
-        {"pace", options.pace.is_flat_out() ? Json("flat-out") : Json(options.pace.times())},
-        {"streams", streams},
-        {"units",
-         {{"velocity", "m/s"}, {"force", "N"}, {"pressure", "Pa"}, {"time", "s"}, {"frequency", "Hz"}}}});
+    meta.update(Json{{"run", options.run},
+                     {"epoch", options.epoch.number},
+                     {"epoch_sample", options.epoch.first_sample},
+                     {"epoch_burst", options.epoch.first_burst},
+                     {"fs", format.sample_rate_hz},
+                     {"frame_samples", format.frame_samples},
+                     {"pace", options.pace.is_flat_out() ? Json("flat-out") : Json(options.pace.times())},
+                     {"streams", streams},
+                     {"units",
+                      {{"velocity", "m/s"},
+                       {"displacement", "m"},
+                       {"force", "N"},
+                       {"pressure", "Pa"},
+                       {"time", "s"},
+                       {"frequency", "Hz"}}}});
     if (format.latency_samples) {
         meta["latency_samples"] = *format.latency_samples;
     }

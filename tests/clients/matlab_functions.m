@@ -39,6 +39,12 @@ function spectra_belong_to_the_samples()
   assert(ratio, sum_of(r.v_out_m_per_s) / sum_of(r.v_last_m_per_s), 0.02);
 end
 
+function an_empty_value_takes_one_back()
+  r = hertzline_run('paper-stream', 'numerics.step_s', [], 'output.duration_s', 2e-5);
+  assert(isempty(r.provenance.asked_numerics.step_s));
+  fails('wrongUse', {'chain.preload_n: found nan'}, @() hertzline_run('paper-wall', 'chain.preload_n', NaN));
+end
+
 function a_quiet_run_has_empty_warnings()
   r = hertzline_run('paper-wall', 'drive.amplitude_m', 0, 'chain.preload_n', '1 mN', 'output.duration_s', '20 us');
   assert(isequal(size(r.warnings), [0 1]) && iscell(r.warnings));
@@ -142,6 +148,10 @@ function points_and_sequences_are_swept()
   assert(t.peak_v_last_m_per_s(1) > t.peak_v_last_m_per_s(2));
   t = hertzline_sweep('paper-wall', {'drive.file', {file}}, 'drive.kind', 'file', 'quantities', 'peak_v_last_m_per_s');
   assert(isequal(t.drive.file, {file}) && t.peak_v_last_m_per_s > 0.01);
+  t = hertzline_sweep('paper-wall', {'chain.preload_n', {'0.1 N', '200 mN'}}, 'quantities', 'thd_r');
+  assert(isequal(t.chain.preload_n, [0.1; 0.2]));
+  t = hertzline_sweep('paper-wall', {}, 'points', {'chain.preload_n'; [0.1, 0.2]}, 'quantities', 'thd_r');
+  assert(isequal(t.chain.preload_n, [0.1; 0.2]));
   t = hertzline_sweep('paper-wall', {'chain.preload_n', '0.1..1:log', 'chain.spheres', '3..5'}, 'sobol', 8, 'quantities', 'thd_r');
   assert(numel(t.point) == 8 && all(t.chain.preload_n >= 0.1 & t.chain.preload_n <= 1) && isequal(unique(t.chain.spheres), [3; 4; 5]));
 end

@@ -1,7 +1,9 @@
 """Recordings: each format is written and read, and gaps are reported."""
+import os
 import pathlib
 import shutil
 import unittest
+import warnings
 
 import numpy as np
 from support import SHORT, InAFolder, program, short_scene
@@ -69,6 +71,31 @@ class Recordings(InAFolder):
         r.save(self.folder / "a.csv", self.folder / "b.npy", taps=["v_out"])
         self.assertEqual(hertzline.load(self.folder / "b.npy").taps, ["v_out"])
         self.assertTrue((self.folder / "a.csv").read_text().startswith("t_s,v_out_m_per_s\n"))
+
+    def test_names_that_are_not_utf_8_are_names(self):
+        r = short_scene().run(taps=["v_out", "v_last"])
+        for ending in (".npy", ".csv", ".h5", ".wav", ".sigmf-meta"):
+            path = pathlib.Path(os.fsdecode(os.fsencode(self.folder) + b"/caf\xe9" + ending.encode()))
+            r.save(path)
+            np.testing.assert_allclose(hertzline.load(path)["v_out"], r["v_out"], rtol=1e-6, atol=1e-9)
+        self.assertEqual(hertzline.scene(path)["drive.cycles"], 3)
+        missing = os.fsdecode(os.fsencode(self.folder) + b"/no\xe9.npy")
+        with self.assertRaisesRegex(OSError, r"cannot read .*no\\xe9.npy: No such file"):
+            hertzline.load(missing)
+        with self.assertRaisesRegex(ValueError, "allowed: .csv"):
+            hertzline.load(missing + ".mp3")
+        np.save(os.fsencode(self.folder) + b"/i\xe9.npy", np.arange(5, dtype=np.int16))
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            loaded = hertzline.load(os.fsdecode(os.fsencode(self.folder) + b"/i\xe9.npy"), sample_rate_hz=1e6)
+        self.assertEqual(len(loaded.t), 5)
+
+    def test_columns_of_one_name_are_two(self):
+        (self.folder / "scope.csv").write_text("t_s,Volt,Volt\n0,1,2\n1e-6,3,4\n")
+        loaded = hertzline.load(self.folder / "scope.csv")
+        self.assertEqual(loaded.taps, ["Volt", "Volt_2"])
+        np.testing.assert_array_equal(loaded["Volt"], [1, 3])
+        np.testing.assert_array_equal(loaded["Volt_2"], [2, 4])
 
     def test_gaps_are_told(self):
         path = self.folder / "x.csv"

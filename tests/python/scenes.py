@@ -54,6 +54,9 @@ class Scenes(InAFolder):
         with self.assertRaisesRegex(ValueError, "drive.file: found \"none.csv\", which is no file"):
             hertzline.scene("paper-wall", drive={"kind": "file", "file": "none.csv"})
         np.savetxt(self.folder / "horn.csv", np.column_stack([t, 1e6 * x]), delimiter=",", header="t_s,x_um", comments="")
+        (self.folder / "horn 😀 é.csv").write_bytes((self.folder / "horn.csv").read_bytes())
+        smiling = hertzline.scene("paper-wall", drive={"kind": "file", "file": str(self.folder / "horn 😀 é.csv")})
+        self.assertEqual(smiling["drive.scale"], 1e-6)
         scene = hertzline.scene(self.folder / "device.toml")
         self.assertEqual((scene["drive.scale"], scene["drive.quantity"], scene["drive.file"]), (1e-6, "displacement", None))
         self.assertLess(abs(scene["drive.frequency_hz"] / 70e3 - 1), 0.02)

@@ -60,6 +60,20 @@ class Sweeps(InAFolder):
         self.assertTrue(np.array_equal(table.waveforms[0][:501], v[:501]))
         self.assertTrue(np.isnan(table.waveforms[0][501:]).all())
 
+    def test_sorted_rows_keep_their_waveforms_and_are_no_grid(self):
+        table = hertzline.sweep(short_scene(), {"chain.preload_n": [0.1, 0.3], "chain.spheres": [5, 4, 6]}, waveforms="v_out")
+        peaks = np.abs(table.waveforms).max(axis=1)
+        np.testing.assert_allclose(peaks, table["peak_v_out_m_per_s"], rtol=1e-6)
+        arranged = table.copy()
+        arranged.partition(3, order="peak_v_out_m_per_s")
+        for found in (np.sort(table, order="peak_v_out_m_per_s"), arranged):
+            self.assertFalse(found.grid)
+            self.assertEqual(sorted(found["point"]), list(range(6)))
+            self.assertFalse(np.array_equal(found["point"], table["point"]))
+            np.testing.assert_array_equal(np.abs(found.waveforms).max(axis=1), peaks[found["point"]])
+        self.assertTrue(table.grid)
+        self.assertTrue((np.diff(np.sort(table, order="peak_v_out_m_per_s")["peak_v_out_m_per_s"]) >= 0).all())
+
     def test_waveforms_of_outputs_with_several_channels(self):
         scene = hertzline.scene("seven-chains", array={"coupling": "none", "x_m": [-12e-3, 12e-3], "y_m": [0, 0]}, drive={"cycles": 1},
                                 output={"duration_s": 3e-5, "points_m": [[0, 0, 0.01], [0, 0, 0.02], [0, 0.01, 0.02]]})
@@ -175,6 +189,8 @@ class Sweeps(InAFolder):
         self.assertEqual(float(found), table["peak_v_out_m_per_s"][2])
         self.assertEqual(data["peak_v_out_m_per_s"].attrs["units"], "m/s")
         self.assertEqual(table[1:].to_xarray().sizes["point"], 3)
+        few = table[["chain.preload_n", "peak_v_out_m_per_s"]].to_xarray()
+        self.assertTrue(np.array_equal(few["peak_v_out_m_per_s"], table["peak_v_out_m_per_s"]))
 
 
 if __name__ == "__main__":

@@ -1,7 +1,9 @@
 """Other threads continue while hertzline computes, and Ctrl-C ends the computation."""
+import os
 import signal
 import subprocess
 import sys
+import tempfile
 import threading
 import time
 import unittest
@@ -97,6 +99,28 @@ class Threads(unittest.TestCase):
     def test_ctrl_c_ends_a_search(self):
         search = "hertzline.optimise(s, {'drive.cycles': '5..25'}, maximise='thd_r', evaluations=50, jobs=2)"
         self.assertLess(self.interrupted(search), LONG_ENOUGH_S)
+
+    def test_ctrl_c_ends_reading_a_pipe_without_a_writer(self):
+        with tempfile.TemporaryDirectory() as folder:
+            os.mkfifo(f"{folder}/pipe.csv")
+            self.assertLess(self.interrupted(f"hertzline.load('{folder}/pipe.csv', sample_rate_hz=1e6)"), LONG_ENOUGH_S)
+
+    def test_ctrl_c_ends_a_sweep_of_more_points_than_can_be_looked_at(self):
+        vary = "{'chain.preload_n': np.linspace(0.1, 1, 10_000), 'drive.cycles': np.linspace(5, 25, 10_000)}"
+        self.assertLess(self.interrupted(f"hertzline.sweep(s, {vary})"), LONG_ENOUGH_S)
+
+    def test_a_daemon_thread_ends_with_the_interpreter(self):
+        for work in ("next(hertzline.listen('tcp://127.0.0.1:9'))", "hertzline.Simulation(s).advance(50_000_000)", "s.run()"):
+            text = f"{LONG}import threading, time\nthreading.Thread(target=lambda: {work}, daemon=True).start()\ntime.sleep(0.5)\n"
+            for _ in range(3):
+                done = subprocess.run([sys.executable, "-c", text], capture_output=True, text=True, timeout=LONG_ENOUGH_S, check=False)
+                self.assertEqual((done.returncode, done.stderr), (0, ""), work)
+
+    def test_a_forked_process_ends_though_it_has_a_connection(self):
+        text = f"import hertzline, os, sys\nlive = hertzline.listen('tcp://127.0.0.1:9')\n" \
+               "child = os.fork()\nif child:\n    sys.exit(os.waitpid(child, 0)[1])\nlive.close()\ndel live\n"
+        done = subprocess.run([sys.executable, "-c", text], timeout=LONG_ENOUGH_S, check=False)
+        self.assertEqual(done.returncode, 0)
 
     def test_ctrl_c_ends_listening(self):
         self.assertLess(self.interrupted("next(hertzline.listen('tcp://127.0.0.1:9'))"), LONG_ENOUGH_S)

@@ -9,4 +9,5 @@ text = sprintf('%.15g', value);
 if str2double(text) ~= value
     text = sprintf('%.17g', value);
 end
+text = lower(text);  % nan and inf, as the program has them
 end

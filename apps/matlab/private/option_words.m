@@ -37,7 +37,12 @@ end
 end
 
 function word = setting(key, value)
-word = [key '=' toml_value(key, value, list_depth(key))];
+depth = list_depth(key);
+if isempty(value) && ~ischar(value) && depth == 0
+    word = [key '=null'];  % takes the value back
+    return
+end
+word = [key '=' toml_value(key, value, depth)];
 if numel(word) > 100000  % the system takes words of 128 KiB
     error('hertzline:wrongUse', '%s: found %d entries, allowed: as many in a struct of hertzline_scene', key, numel(value));
 end
@@ -65,6 +70,7 @@ end
 function file = points_file(name, points, folder)
 % Writes a CSV: a line of keys, then a line for each point.
 columns = {};
+points = reshape(points, 1, []);
 for k = 1:2:numel(points) - 1
     columns{end + 1} = texts_of(char(points{k}), points{k + 1}); %#ok<AGROW>
 end

@@ -23,7 +23,7 @@ elseif depth == 2
     rows = cellfun(@(row) toml_value(key, row, 1), num2cell(value, 2), 'UniformOutput', false);
     text = ['[' strjoin(rows', ', ') ']'];
 elseif depth == 1 || numel(value) ~= 1
-    text = sprintf('%.17g, ', double(value));
+    text = lower(sprintf('%.17g, ', double(value)));  % TOML has nan and inf
     text = ['[' text(1 : end - 2) ']'];
 else
     text = number_text(value);

@@ -13,14 +13,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import _native
-from ._scene import plain_value
+from ._scene import finite_value
 
 Path = str | os.PathLike[str]
 
 
-def _files(curve_key: Path | None, server_key: Path | None) -> tuple[str | None, str | None]:
-    own = None if curve_key is None else os.fspath(curve_key)
-    return own, None if server_key is None else os.fspath(server_key)
+def _files(curve_key: Path | None, server_key: Path | None) -> tuple[bytes | None, bytes | None]:
+    own = None if curve_key is None else os.fsencode(curve_key)
+    return own, None if server_key is None else os.fsencode(server_key)
 
 
 class GapError(RuntimeError):
@@ -51,7 +51,7 @@ class Block:
     missing: int
     """Samples that are missing between the block before and this one."""
     unit: str
-    """"m/s", "N" or "Pa"."""
+    """"m/s", "m", "N" or "Pa"."""
     run: str
     """The run's id."""
     epoch: int
@@ -193,11 +193,11 @@ def control(
 class Control:
     """The scene of a running stream. Each call is a request of its own; nothing stays connected."""
 
-    def __init__(self, endpoint: str, timeout_s: float, curve_key: str | None, server_key: str | None) -> None:
+    def __init__(self, endpoint: str, timeout_s: float, curve_key: bytes | None, server_key: bytes | None) -> None:
         self._connection = (endpoint, timeout_s, curve_key, server_key)
 
     def _ask(self, request: Mapping[str, Any]) -> dict[str, Any]:
-        reply = _native.ask_control(json.dumps(request), *self._connection)
+        reply = _native.ask_control(json.dumps(request, allow_nan=False), *self._connection)
         faults = reply.get("faults")
         if faults:
             raise ValueError("\n".join(str(fault.get("message", "refused")) for fault in faults))
@@ -211,7 +211,7 @@ class Control:
         Returns the reply: `applies_at_sample`, `epoch`, `scene_hash`, `estimated_error`, `estimated_over_s`, `warnings`. Raises
         ValueError with every fault, OSError with the reason when there is no reply.
         """
-        request: dict[str, Any] = {"set": {key: plain_value(key, value) for key, value in values.items()}}
+        request: dict[str, Any] = {"set": {key: finite_value(key, value) for key, value in values.items()}}
         return self._ask(request | {"force": True} if force else request)
 
     def undo(self) -> dict[str, Any]:
@@ -224,8 +224,13 @@ class Control:
         return values
 
     def __getitem__(self, key: str) -> Any:
-        """The value of a key: control["drive.amplitude_m"] [m]."""
+        """The value of a key: control["drive.amplitude_m"] [m]. Raises ValueError for one that the scene does not have."""
         return self.get(key)[key]["value"]
 
     def __setitem__(self, key: str, value: Any) -> None:
         self.set({key: value})
+
+    def __contains__(self, key: object) -> bool:
+        return key in self.get()
+
+    __iter__ = None

@@ -18,7 +18,7 @@ def load(path: str | os.PathLike[str], *, sample_rate_hz: float | None = None) -
     `sample_rate_hz` is the rate of a file without one, or another one than its own. Warns of samples that are left out.
     Raises ValueError for another ending, OSError for a file that cannot be read or is damaged.
     """
-    native = _native.load(os.fspath(path), sample_rate_hz)
+    native = _native.load(os.fsencode(path), sample_rate_hz)
     for warning in native.warnings:
         warnings.warn(warning, stacklevel=2)
     return Recording(native)

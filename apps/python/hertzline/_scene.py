@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import json
+import math
 import os
 import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
@@ -42,7 +42,7 @@ def scene(source: Path | Scene = "paper-vitreous-carbon", /, **sections: Mapping
     settings = list(_settings(sections))
     if isinstance(source, Scene):
         return Scene(_native.parse(source.toml, source.name, settings))
-    return Scene(_native.read(os.fspath(source), settings))
+    return Scene(_native.read(os.fsencode(source), settings))
 
 
 def with_values(base: Scene, values: Mapping[str, Any]) -> Scene:
@@ -53,7 +53,7 @@ def with_values(base: Scene, values: Mapping[str, Any]) -> Scene:
 def _settings(sections: Mapping[str, Mapping[str, Any]], prefix: str = "") -> Iterator[str]:
     """The keys as the program's option --set takes them."""
     for name, value in sections.items():
-        key = prefix + (name if re.fullmatch(r"[A-Za-z0-9_-]+(\[\d+\])*", name) else json.dumps(name))
+        key = prefix + (name if re.fullmatch(r"[A-Za-z0-9_-]+(\[\d+\])*", name) else toml_text(name))
         if isinstance(value, Mapping) and (value or not prefix):
             yield from _settings(value, key + ".")
         elif isinstance(value, Mapping):
@@ -83,6 +83,22 @@ def plain_value(key: str, value: Any) -> Any:
     return value.item() if isinstance(value, (np.generic, np.ndarray)) else value
 
 
+def finite_value(key: str, value: Any) -> Any:
+    """plain_value() for JSON, which has finite numbers. Raises ValueError for others."""
+    value = plain_value(key, value)
+    if isinstance(value, list):
+        return [finite_value(f"{key}[{number}]", entry) for number, entry in enumerate(value, 1)]
+    if isinstance(value, float) and not math.isfinite(value):
+        raise ValueError(f"{key}: found {value}, allowed: a finite number")
+    return value
+
+
+def toml_text(text: str) -> str:
+    """A text as TOML has it, in ASCII."""
+    plain = (c if " " <= c <= "~" and c not in '"\\' else f"\\U{ord(c):08X}" for c in text)
+    return f'"{"".join(plain)}"'
+
+
 def toml_value(key: str, value: Any) -> str:
     """A number, integer, word or list of them as TOML has it; numbers read back to the same bits."""
     value = plain_value(key, value)
@@ -93,7 +109,7 @@ def toml_value(key: str, value: Any) -> str:
     if isinstance(value, (int, float)):
         return repr(value)
     if isinstance(value, str):
-        return json.dumps(value)
+        return toml_text(value)
     raise TypeError(f"{key}: found {type(value).__name__}, allowed: a number, an integer, a word or a list of them")
 
 
@@ -245,7 +261,7 @@ class Result(Samples):
         """
         if not paths:
             raise TypeError("save: paths is missing: give at least one file")
-        files = [os.fspath(path) for path in paths]
+        files = [os.fsencode(path) for path in paths]
         self._native.save(files, None if taps is None else names_in("taps", taps), wav_scale)
 
     def __repr__(self) -> str:

@@ -28,7 +28,7 @@ class Simulation:
     def advance(self, samples: int) -> dict[str, Floats]:
         """Simulates the next samples. Returns each tap's: [sample], or [sample, sphere or contact] of the whole chain.
 
-        Raises RuntimeError when the motion becomes unstable. Other threads run meanwhile.
+        Raises RuntimeError when the motion becomes unstable. Other threads run meanwhile. Samples of a call that raises are lost.
         """
         return self._native.advance(samples)
 

@@ -204,6 +204,19 @@ class Table(np.ndarray[Any, np.dtype[Any]]):
         found.__dict__.update(self.__dict__)
         return found
 
+    def sort(self, axis: Any = -1, kind: Any = None, order: Any = None, **more: Any) -> None:
+        """Sorts the rows in place, and their waveforms. They are no grid then."""
+        self._arrange(self.view(np.ndarray).argsort(axis, kind, order, **more))
+
+    def partition(self, kth: Any, axis: Any = -1, kind: Any = "introselect", order: Any = None) -> None:
+        """Arranges the rows in place as NumPy's, and their waveforms."""
+        self._arrange(self.view(np.ndarray).argpartition(kth, axis, kind, order))
+
+    def _arrange(self, rows: NDArray[np.intp]) -> None:
+        self[...] = self.view(np.ndarray)[rows]
+        self.waveforms = None if self.waveforms is None else self.waveforms[rows]
+        self.grid = False
+
     def __copy__(self) -> Table:
         return self.copy()
 
@@ -241,7 +254,7 @@ class Table(np.ndarray[Any, np.dtype[Any]]):
         plain = self.view(np.ndarray)
         dimensions: tuple[str, ...] = ("point",)
         shape: tuple[int, ...] = (len(plain),)
-        coordinates = {"point": plain["point"]}
+        coordinates = {"point": plain["point"] if "point" in (self.dtype.names or ()) else np.arange(len(plain))}
         if self.grid:
             coordinates = {key: plain[key][np.sort(np.unique(plain[key], return_index=True)[1])] for key in self.keys}
             dimensions, shape = tuple(self.keys), tuple(len(values) for values in coordinates.values())
@@ -255,7 +268,7 @@ class Table(np.ndarray[Any, np.dtype[Any]]):
             variables["waveforms"] = ((*dimensions, *("sample", "channel")[: len(of_point)]), self.waveforms.reshape(*shape, *of_point), {})
         dataset = xarray.Dataset(variables, coords=coordinates)
         for key in coordinates:
-            dataset[key].attrs["units"] = self.units[key]
+            dataset[key].attrs["units"] = self.units.get(key, "")
         return dataset
 
     def plot(self, quantities: Sequence[str] = (), *, title: str = "", axes: Any = None) -> Figure:

@@ -3,6 +3,10 @@
 
 #include <atomic>
 #include <functional>
+#include <string>
+#include <vector>
+
+#include <Python.h>
 
 namespace hertzline::python {
 
@@ -10,8 +14,25 @@ namespace hertzline::python {
 using Work = std::function<void(const std::atomic<bool>& stop)>;
 
 /// Does the work in a thread of its own, without the GIL. Meanwhile the calling thread looks for signals: when a handler
-/// raises, such as that of Ctrl-C, it stops the work and waits for it. Needs the GIL. @param wake interrupts the work's
-/// waiting when it is to stop @throws the work's exception, or py::error_already_set of the handler
-void interruptible(const Work& work, const std::function<void()>& wake = {});
+/// raises, such as that of Ctrl-C, it stops the work and waits for it. Needs the GIL.
+/// @throws the work's exception, or py::error_already_set of the handler
+void interruptible(const Work& work);
+
+/// interruptible(); but work on an HDF5 file keeps the GIL and goes to its end: one thread at a time may enter that library, and h5py
+/// holds the GIL when it does.
+void interruptible_with_files(const std::vector<std::string>& paths, const Work& work);
+
+/// Lets other threads of Python run while it lives. Python ends a daemon thread that wants to go on after the interpreter by an exception
+/// (pthread_exit); it passes here, while the destructor of pybind11's gil_scoped_release would abort the program.
+class WithoutPython {
+public:
+    WithoutPython() noexcept : state_(PyEval_SaveThread()) {}
+    ~WithoutPython() noexcept(false) { PyEval_RestoreThread(state_); }
+    WithoutPython(const WithoutPython&) = delete;
+    WithoutPython& operator=(const WithoutPython&) = delete;
+
+private:
+    PyThreadState* state_;
+};
 
 }  // namespace hertzline::python

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include <pybind11/stl.h>
+#include <unistd.h>
 
 #include "apps/python/native/interruptible.hpp"
 #include "apps/python/native/module.hpp"
@@ -37,7 +38,15 @@ constexpr auto nap = std::chrono::milliseconds(100);  // between looks at signal
 class PythonListener {
 public:
     PythonListener(const std::string& endpoint, stream::ListenerOptions options)
-        : listener_(endpoint, with_notices(std::move(options))) {}
+        : listener_(std::make_unique<stream::Listener>(endpoint, with_notices(std::move(options)))) {}
+    /// In a process that was forked the threads of ZeroMQ are missing, and its sockets cannot be closed.
+    ~PythonListener() {
+        if (is_forked()) {
+            static_cast<void>(listener_.release());
+        }
+    }
+    PythonListener(const PythonListener&) = delete;
+    PythonListener& operator=(const PythonListener&) = delete;
 
     /// Returns (samples, header's numbers, missing) of the next frame; None at the end. @throws py::error_already_set of a signal handler
     py::object next() {
@@ -56,15 +65,19 @@ public:
     }
 
     void close() {
-        const py::gil_scoped_release without_python;
-        const std::scoped_lock lock(mutex_);
-        listener_.close();
+        const WithoutPython without_python;
+        if (!is_forked()) {
+            const std::scoped_lock lock(mutex_);
+            listener_->close();
+        }
     }
 
-    const stream::RunReceiver& run() const noexcept { return listener_.run(); }
+    const stream::RunReceiver& run() const noexcept { return listener_->run(); }
     const std::vector<std::string>& notices() const noexcept { return notices_; }
 
 private:
+    bool is_forked() const noexcept { return ::getpid() != owner_; }
+
     stream::ListenerOptions with_notices(stream::ListenerOptions options) {
         options.notify = [this](const std::string& text) { notices_.push_back(text); };
         return options;
@@ -72,10 +85,10 @@ private:
 
     /// @param ended whether the listener has
     stream::ReceivedFrame* frame_or_nothing(bool& ended) {
-        const py::gil_scoped_release without_python;
+        const WithoutPython without_python;
         const std::scoped_lock lock(mutex_);
-        stream::ReceivedFrame* frame = listener_.ended() ? nullptr : listener_.receive(nap);
-        ended = listener_.ended();
+        stream::ReceivedFrame* frame = listener_->ended() ? nullptr : listener_->receive(nap);
+        ended = listener_->ended();
         return frame;
     }
 
@@ -93,7 +106,8 @@ private:
 
     std::vector<std::string> notices_;
     std::mutex mutex_;  // of the listener: another thread may close it
-    stream::Listener listener_;
+    pid_t owner_ = ::getpid();
+    std::unique_ptr<stream::Listener> listener_;
 };
 
 std::unique_ptr<PythonListener> listen(const std::string& endpoint, const std::string& name,

@@ -63,11 +63,13 @@ std::shared_ptr<Recording> load(const std::string& path, std::optional<double> s
     recordings::ReadOptions options{.sample_rate_hz = sample_rate_hz, .warn = {}};
     options.warn = [&](const std::string& warning) { recording->warnings.push_back(warning); };
     with_os_errors([&] {
-        const std::unique_ptr<recordings::RecordingReader> reader = recordings::open_reader(path, options);
-        recording->head = reader->head();
-        recording->head.sample_rate_hz = sample_rate_hz.value_or(recording->head.sample_rate_hz);
-        interruptible([&](const std::atomic<bool>& stop) { read_rows(*reader, *recording, stop); },
-                      [&] { reader->interrupt(); });
+        interruptible_with_files({path}, [&](const std::atomic<bool>& stop) {
+            options.stop = &stop;
+            const auto reader = recordings::open_reader(path, options);
+            recording->head = reader->head();
+            recording->head.sample_rate_hz = sample_rate_hz.value_or(recording->head.sample_rate_hz);
+            read_rows(*reader, *recording, stop);
+        });
     });
     return recording;
 }
@@ -182,7 +184,14 @@ void add_load(py::module_& module) {
         .def_property_readonly("sample_rate_hz",
                                [](const Recording& recording) { return recording.head.sample_rate_hz; })
         .def_property_readonly("rows", &Recording::rows)
-        .def_readonly("warnings", &Recording::warnings)
+        .def_property_readonly("warnings",
+                               [](const Recording& recording) {
+                                   py::list warnings;
+                                   for (const std::string& warning : recording.warnings) {
+                                       warnings.append(text_of(warning));
+                                   }
+                                   return warnings;
+                               })
         .def_property_readonly("columns", &columns_list)
         .def_property_readonly("stretches", &stretches_list)
         .def("provenance",

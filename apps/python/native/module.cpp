@@ -6,6 +6,7 @@
 
 #include <pybind11/pybind11.h>
 
+#include "apps/python/native/python_values.hpp"
 #include "measures/provenance.hpp"
 
 namespace {
@@ -27,6 +28,7 @@ void check_numpy() {
 
 PYBIND11_MODULE(_native, module) {
     check_numpy();
+    hertzline::python::register_texts();
     module.doc() = "The native part of the package hertzline: use the package.";
     module.attr("version") = hertzline::measures::program_version();
     hertzline::python::add_scene(module);

@@ -5,12 +5,37 @@
 
 namespace hertzline::python {
 
+py::str text_of(std::string_view text) {
+    return py::reinterpret_steal<py::str>(
+        PyUnicode_DecodeUTF8(text.data(), static_cast<py::ssize_t>(text.size()), "backslashreplace"));
+}
+
+namespace {
+
+void raise(PyObject* type, const char* text) {
+    PyErr_SetObject(type, text_of(text).ptr());
+}
+
+}  // namespace
+
+void register_texts() {
+    py::register_local_exception_translator([](std::exception_ptr thrown) {
+        try {
+            std::rethrow_exception(std::move(thrown));
+        } catch (const py::value_error& error) {
+            raise(PyExc_ValueError, error.what());
+        } catch (const py::key_error& error) {
+            raise(PyExc_KeyError, error.what());
+        }
+    });
+}
+
 py::object python_object(const Json& json) {
     switch (json.type()) {
         case Json::value_t::object: {
             py::dict dict;
             for (const auto& [key, value] : json.items()) {
-                dict[py::str(key)] = python_object(value);
+                dict[text_of(key)] = python_object(value);
             }
             return dict;
         }
@@ -22,7 +47,7 @@ py::object python_object(const Json& json) {
             return list;
         }
         case Json::value_t::string:
-            return py::str(json.get_ref<const std::string&>());
+            return text_of(json.get_ref<const std::string&>());
         case Json::value_t::boolean:
             return py::bool_(json.get<bool>());
         case Json::value_t::number_integer:
@@ -51,7 +76,7 @@ void with_os_errors(const std::function<void()>& work) {
     } catch (const py::builtin_exception&) {
         throw;
     } catch (const std::runtime_error& error) {
-        PyErr_SetString(PyExc_OSError, error.what());
+        raise(PyExc_OSError, error.what());
         throw py::error_already_set();
     }
 }

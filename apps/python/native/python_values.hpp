@@ -21,11 +21,17 @@ namespace hertzline::python {
 
 namespace py = pybind11;
 
+/// Returns a text as Python has it; bytes of names of files that are not UTF-8 as \xNN.
+py::str text_of(std::string_view text);
+
 /// Returns a dict, list, str, int, float, bool or None.
 py::object python_object(const Json& json);
 
 /// Returns the faults, a line each. Faults of settings name the key alone.
 std::string fault_text(std::vector<Fault> faults);
+
+/// Lets exceptions whose texts name such files be raised.
+void register_texts();
 
 /// Does work on files. @throws py::error_already_set: OSError with the text of its std::runtime_error
 void with_os_errors(const std::function<void()>& work);

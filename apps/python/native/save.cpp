@@ -60,12 +60,6 @@ void write(const RunResult& result, const std::vector<std::string>& paths,
     }
 }
 
-/// Whether a file is HDF5: one thread at a time may enter the library, and h5py holds the GIL when it does.
-bool needs_the_gil(const std::vector<std::string>& paths) {
-    return std::ranges::any_of(
-        paths, [](const std::string& path) { return recordings::recording_ending(path) == ".h5"; });
-}
-
 }  // namespace
 
 void save(const std::shared_ptr<RunResult>& result, const std::vector<std::string>& paths,
@@ -85,12 +79,8 @@ void save(const std::shared_ptr<RunResult>& result, const std::vector<std::strin
                                          .provenance = result->provenance,
                                          .full_scale = wav_scale};
     with_os_errors([&] {
-        if (needs_the_gil(paths)) {
-            const std::atomic<bool> never{false};
-            write(*result, paths, head, taps, never);
-        } else {
-            interruptible([&](const std::atomic<bool>& stop) { write(*result, paths, head, taps, stop); });
-        }
+        interruptible_with_files(
+            paths, [&](const std::atomic<bool>& stop) { write(*result, paths, head, taps, stop); });
     });
 }
 

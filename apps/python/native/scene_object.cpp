@@ -31,7 +31,7 @@ std::shared_ptr<SceneObject> object_of(const Parse& parse_with) {
     std::vector<std::string> warnings;
     auto parsed = parse_with([&](const std::string& warning) { warnings.push_back(warning); });
     for (const std::string& warning : warnings) {
-        if (PyErr_WarnEx(PyExc_UserWarning, warning.c_str(), 2) != 0) {
+        if (PyErr_WarnEx(PyExc_UserWarning, text_of(warning).cast<std::string>().c_str(), 2) != 0) {
             throw py::error_already_set();
         }
     }

@@ -11,6 +11,7 @@
 
 #include <pybind11/stl.h>
 
+#include "apps/python/native/interruptible.hpp"
 #include "apps/python/native/module.hpp"
 #include "apps/python/native/python_values.hpp"
 #include "apps/python/native/scene_object.hpp"
@@ -70,7 +71,7 @@ private:
     void fill(std::size_t count) {
         Status status = Status::running;
         {
-            const py::gil_scoped_release without_python;
+            const WithoutPython without_python;
             status = simulation_.advance(block_, count);
         }
         if (status != Status::running) {

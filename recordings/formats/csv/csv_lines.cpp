@@ -23,8 +23,11 @@ constexpr std::size_t longest_line = std::size_t{1} << 29;  // 20 million number
 
 }  // namespace
 
-CsvLines::CsvLines(const std::filesystem::path& path)
-    : path_(path), descriptor_(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NOCTTY)) {
+// Without O_NONBLOCK open() would wait for a pipe's writer.
+CsvLines::CsvLines(const std::filesystem::path& path, const std::atomic<bool>* stop)
+    : path_(path),
+      stop_(stop),
+      descriptor_(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NOCTTY | O_NONBLOCK)) {
     struct stat status {};
     if (descriptor_ < 0 || ::fstat(descriptor_, &status) != 0 || S_ISDIR(status.st_mode)) {
         close();
@@ -50,7 +53,7 @@ bool CsvLines::next() {
         begin_ = line_size_ = line_end_ = 0;
         end_ = searched;
         if (!fill()) {
-            const bool rest = !interrupted_ && end_ > 0;
+            const bool rest = !stopped() && end_ > 0;
             if (rest) {
                 take(end_, 0);
             }
@@ -107,7 +110,7 @@ void CsvLines::go_back(const Place& place) {
     begin_ = line_end_ = line_size_ = end_ = 0;
 }
 
-/// Reads more behind the bytes that are there. Returns false at the end and once interrupted.
+/// Reads more behind the bytes that are there. Returns false at the end and once stopped.
 bool CsvLines::fill() {
     if (end_ == buffer_.size()) {
         const bool too_long = end_ >= longest_line;
@@ -119,7 +122,7 @@ bool CsvLines::fill() {
     }
     while (!is_pipe_ || wait_for_writer()) {
         const ssize_t got = ::read(descriptor_, buffer_.data() + end_, buffer_.size() - end_);
-        if (got < 0 && errno == EINTR) {
+        if (got < 0 && (errno == EINTR || errno == EAGAIN)) {
             continue;
         }
         if (got < 0) {
@@ -136,9 +139,9 @@ bool CsvLines::fill() {
     return false;
 }
 
-/// Returns false once interrupted.
+/// Returns false once stopped.
 bool CsvLines::wait_for_writer() const {
-    while (!interrupted_) {
+    while (!stopped()) {
         constexpr int glance_ms = 50;  // between looks at the flag
         pollfd pipe{.fd = descriptor_, .events = POLLIN, .revents = 0};
         if (::poll(&pipe, 1, glance_ms) > 0) {

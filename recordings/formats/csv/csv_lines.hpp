@@ -11,10 +11,11 @@
 
 namespace hertzline::recordings {
 
-/// A wait for a pipe whose writer pauses can be interrupted. Errors are std::runtime_error that names the path.
+/// A wait for a pipe that has no writer yet, or whose writer pauses, can be stopped. Errors are std::runtime_error that names the path.
 class CsvLines {
 public:
-    explicit CsvLines(const std::filesystem::path& path);
+    /// @param stop true: the lines are at their end; null: never
+    explicit CsvLines(const std::filesystem::path& path, const std::atomic<bool>* stop = nullptr);
     ~CsvLines();
     CsvLines(const CsvLines&) = delete;
     CsvLines& operator=(const CsvLines&) = delete;
@@ -22,7 +23,7 @@ public:
     /// Whether the file can be read only once.
     bool is_pipe() const noexcept { return is_pipe_; }
 
-    /// Goes to the next line. Returns false at the end and once interrupted.
+    /// Goes to the next line. Returns false at the end and once stopped or interrupted.
     bool next();
 
     /// The present line, without its end and without the byte order mark of UTF-8.
@@ -45,7 +46,7 @@ public:
     void go_back(const Place& place);
 
     void interrupt() noexcept { interrupted_ = true; }
-    bool interrupted() const noexcept { return interrupted_; }
+    bool stopped() const noexcept { return interrupted_ || (stop_ != nullptr && *stop_); }
 
 private:
     void take(std::size_t end, std::size_t ending);
@@ -56,6 +57,7 @@ private:
     void close() noexcept;
 
     std::filesystem::path path_;
+    const std::atomic<bool>* stop_;
     int descriptor_;
     bool is_pipe_ = false;
     char ending_ = 0;  // of lines; 0: not known yet

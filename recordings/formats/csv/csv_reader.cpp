@@ -30,7 +30,7 @@ public:
     CsvReader(fs::path path, ReadOptions options)
         : path_(std::move(path)),
           options_(std::move(options)),
-          lines_(path_),
+          lines_(path_, options_.stop),
           names_(read_csv_names(lines_, options_.sample_rate_hz.has_value())),
           numbers_(names_),
           row_(names_.columns.size()) {
@@ -58,7 +58,7 @@ public:
             due_ = sample_ + 1;
             ahead_ = next_row();
         }
-        return !rows.values.empty() && !lines_.interrupted();
+        return !rows.values.empty() && !lines_.stopped();
     }
 
     void interrupt() noexcept override { lines_.interrupt(); }
