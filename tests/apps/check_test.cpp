@@ -125,6 +125,32 @@ TEST(Check, NamesTheLawOfDampingWhereItIsNotTheDashpot) {
     EXPECT_FALSE(hertzline({"run", "paper-wall", "--json"}).json().contains("damping_law"));
 }
 
+// Frequencies, section and loss: an independent program (tests/core/plate/laminate_test.cpp).
+TEST(Check, TellsTheModesAndTheSectionOfALaminate) {
+    const auto check = hertzline({"check", "wet-layers", "--json"}).json();
+    const std::vector<double> dry_khz{27.6, 92.4, 176.2, 269.0};
+    for (std::size_t n = 0; n < dry_khz.size(); ++n) {
+        const std::string mode = "mode_" + std::to_string(n + 1);
+        EXPECT_NEAR(check[mode + "_dry_hz"].get<double>() / 1e3, dry_khz[n], 0.06);
+        EXPECT_LT(check[mode + "_wet_hz"], check[mode + "_dry_hz"]);
+        EXPECT_GT(check[mode + "_wet_hz"].get<double>(), 0.4e3 * dry_khz[n]);
+    }
+    EXPECT_NEAR(check["laminate_bending_n_m"].get<double>(), 0.241100948434, 1e-11);
+    EXPECT_NEAR(check["laminate_mass_kg_per_m2"].get<double>(), 1.135, 1e-11);
+    EXPECT_NEAR(check["laminate_loss_factor"].get<double>(), 0.0148711564, 1e-9);
+    EXPECT_NEAR(check["laminate_neutral_plane_m"].get<double>(), 0.129482356e-3, 1e-12);
+    EXPECT_NEAR(check["travel_s"].get<double>(), 10e-3 / 1482, 1e-9);
+    EXPECT_LE(check["fit_velocity_error"], 1e-4);
+}
+
+TEST(Check, TellsTheSpheresOfAMixedChain) {
+    const auto check = hertzline({"check", "dimer-chain", "--json"}).json();
+    EXPECT_LT(check["lightest_sphere_kg"], check["heaviest_sphere_kg"]);
+    const auto ball = [](double density) { return density * std::numbers::pi / 6 * 1e-9; };
+    EXPECT_NEAR(check["lightest_sphere_kg"].get<double>(), ball(2700), 1e-9);
+    EXPECT_NEAR(check["heaviest_sphere_kg"].get<double>(), ball(7833), 2e-9);
+}
+
 TEST(Check, TextHasUnitsAndNoMessages) {
     const Outcome outcome = hertzline(
         {"check", "paper-acrylic", "--set", "chain.preload_n=0.01", "--set", "drive.amplitude_m=1e-8"});

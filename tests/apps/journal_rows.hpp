@@ -1,12 +1,13 @@
 #pragma once
 // The journal of a program that is running.
 
-#include <chrono>
 #include <stdexcept>
 #include <string>
-#include <thread>
+
+#include <gtest/gtest.h>
 
 #include "studies/database.hpp"
+#include "tests/support/sockets.hpp"
 
 namespace hertzline::test {
 
@@ -21,11 +22,9 @@ inline std::int64_t rows_of_journal(const std::string& journal) {
     }
 }
 
-/// Waits until the journal has `rows` rows, but not longer than some ten seconds.
+/// Waits until the journal has `rows` rows.
 inline void wait_for_rows(const std::string& journal, std::int64_t rows = 50) {
-    for (int tries = 0; rows_of_journal(journal) < rows && tries < 6000; ++tries) {
-        std::this_thread::sleep_for(std::chrono::milliseconds(2));
-    }
+    EXPECT_TRUE(eventually([&] { return rows_of_journal(journal) >= rows; })) << "no rows in " << journal;
 }
 
 }  // namespace hertzline::test

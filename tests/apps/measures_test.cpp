@@ -61,7 +61,8 @@ TEST(Measures, OfStreamListenAndReplayAreExplained) {
 }
 
 TEST(Measures, OfCheckAreExplained) {
-    for (const char* scene : {"paper-vitreous-carbon", "wet-vitreous-carbon", "paper-wall"}) {
+    for (const char* scene :
+         {"paper-vitreous-carbon", "wet-vitreous-carbon", "paper-wall", "wet-layers", "dimer-chain"}) {
         expect_explained(hertzline({"check", scene, "--json"}));
     }
     const TemporaryFolder folder;

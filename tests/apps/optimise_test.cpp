@@ -179,7 +179,7 @@ protected:
         EXPECT_EQ(outcome.json()["starts"], undisturbed.json()["starts"]);
     }
 
-    static constexpr const char* evaluations = "1000";
+    static constexpr const char* evaluations = "3000";
     std::string file = folder.file("s.csv");
     std::string journal = file + ".journal";
     Words long_words = with(with(search_scene, search_axes), {"--maximise", "peak_v_out_m_per_s"});

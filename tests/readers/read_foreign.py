@@ -77,9 +77,7 @@ class ForeignFiles(unittest.TestCase):
         run = hertzline.scene("paper-vitreous-carbon", drive={"cycles": 3}, output={"duration_s": 1e-4}).run()
         file = self.folder / "a.wav"
         run.save(file)
-        wanted = np.column_stack([run["v_last"], run["v_out"]]).astype("f4")
-        names = [name for name, _, _ in hertzline.load(file).columns]
-        wanted = np.column_stack([hertzline.load(file)[name] for name in names]).astype("f4")
+        wanted = np.column_stack([run[quantity] for _, quantity, _ in hertzline.load(file).columns]).astype("f4")
         for name, package in (("soundfile", "python3-soundfile"), ("scipy.io.wavfile", "python3-scipy")):
             reader = foreign.module(name, package)
             if reader is not None:

@@ -199,7 +199,7 @@ class Folder:
 
     def _start(self, command, output=None):
         print("+", command, flush=True)
-        return subprocess.Popen(["bash", "-c", f"set -e\n{command}"], cwd=self.path, env=self.environment,
+        return subprocess.Popen(["bash", "-c", f"set -eo pipefail\n{command}"], cwd=self.path, env=self.environment,
                                 stdin=subprocess.DEVNULL, stdout=output, start_new_session=True)
 
     def _run(self, command, name):

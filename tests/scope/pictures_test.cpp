@@ -14,6 +14,7 @@
 
 #include "core/model/bursts.hpp"
 #include "core/scene/json.hpp"
+#include "scope/pictures/burst_spectrum.hpp"
 #include "scope/pictures/channel_history.hpp"
 #include "scope/pictures/kept_channels.hpp"
 #include "scope/pictures/level_trigger.hpp"
@@ -325,6 +326,26 @@ TEST(View, WaitsForTheFramesOfTheOtherChannelsWhileTheyCome) {
     };
     EXPECT_EQ(trigger_when(5), 8000) << "its frame of the last burst is on its way";
     EXPECT_EQ(trigger_when(4), 9000) << "it has stopped";
+}
+
+TEST(SpectrumAverage, IsTheMeanPowerOfTheLatestAndStartsAnewWithTheScene) {
+    SpectrumAverage average;
+    BurstSpectrum spectrum{.number = 1, .bin_hz = 1e3, .amplitudes = {1, 10, 0.1, 0}};
+    const auto levels = [&] {
+        const std::string picture = average.picture(spectrum, 4e3, 4);
+        return std::vector{number_at(picture, 0), number_at(picture, 1), number_at(picture, 2)};
+    };
+    average.take(spectrum, 2);
+    EXPECT_THAT(levels(), testing::Pointwise(testing::FloatNear(1e-4F), {-20.0F, 0.0F, -40.0F}));
+    spectrum = {.number = 2, .bin_hz = 1e3, .amplitudes = {1, 0, std::sqrt(99.99), 0}};
+    average.take(spectrum, 2);
+    average.take(spectrum, 2);  // the same again
+    EXPECT_EQ(average.count(), 2U);
+    EXPECT_THAT(levels(), testing::Pointwise(testing::FloatNear(1e-3F), {-16.9897F, 0.0F, 0.0F}));
+    spectrum = {.number = 3, .epoch = 1, .bin_hz = 1e3, .amplitudes = {1, 0, 0.1, 0}};
+    average.take(spectrum, 2);
+    EXPECT_EQ(average.count(), 1U);
+    EXPECT_THAT(levels(), testing::Pointwise(testing::FloatNear(1e-4F), {0.0F, -300.0F, -20.0F}));
 }
 
 }  // namespace

@@ -239,6 +239,10 @@ def spectra_have_the_measures_of_run(stand):
     run = json.loads(said)
     for key in ("harmonics_db", "thd_r", "strongest_hz", "band_20db_low_hz", "band_20db_high_hz"):
         assert np.allclose(text["measures"][key], run[key], rtol=0.01, atol=0.02), (key, text["measures"][key], run[key])
+    lines = np.abs(np.fft.rfft(record))[1:spectrum.columns]
+    levels = 20 * np.log10(lines / lines.max())
+    loud = levels > -60
+    assert loud.sum() > 100 and np.abs(spectrum.numbers[1:] - levels)[loud].max() < 0.02, "not the levels of the burst's samples"
     assert abs(np.nanmax(spectrum.numbers)) < 1e-6 and abs(spectrum.rate_hz * spectrum.columns - 8e5) < 1
 
 

@@ -494,6 +494,19 @@ std::string fault_after(void (*change)(Scene&)) {
     return faults.empty() ? "" : faults.front().message();
 }
 
+TEST(Array, ElementsHaveTheirOwnDiameters) {
+    Scene scene = row_of_chains(2, 12e-3);
+    scene.array.coupling = Coupling::none;
+    scene.array.diameters_m = {1e-3, 1.4e-3};
+    const Samples together = samples_of(scene);
+    scene.array.diameters_m.clear();
+    for (std::size_t i = 0; i < 2; ++i) {
+        Scene one = element_scene(scene, i);
+        one.chain.diameter_m = i == 0 ? 1e-3 : 1.4e-3;
+        EXPECT_EQ(channel(together, Tap::v_last, i + 1), channel(samples_of(one), Tap::v_last, 1)) << i;
+    }
+}
+
 TEST(Array, WhatItCannotBeIsRefused) {
     EXPECT_EQ(fault_after([](Scene&) {}), "");
     EXPECT_THAT(fault_after([](Scene& s) { s.array.y_m.pop_back(); }),
@@ -519,6 +532,35 @@ TEST(Array, WhatItCannotBeIsRefused) {
                     s.array.materials = {"steel"};
                 }),
                 HasSubstr("array.materials"));
+    EXPECT_THAT(fault_after([](Scene& s) {
+                    s.chain.diameters_m = {1e-3};
+                    s.array.diameters_m = {1e-3};
+                }),
+                HasSubstr("array.diameters_m"));
+    EXPECT_THAT(fault_after([](Scene& s) {
+                    s.drive.kind = DriveKind::none;
+                    s.array.delays_s = {0, 1e-6};
+                }),
+                HasSubstr("array.delays_s"));
+    EXPECT_THAT(fault_after([](Scene& s) {
+                    s.drive.kind = DriveKind::none;
+                    s.array.amplitudes_m = {1e-6, 2e-6};
+                }),
+                HasSubstr("array.amplitudes_m"));
+    for (auto change : {+[](Scene& s) {
+                            s.array.delays_s = {1e-6, 2e-6, 3e-6};
+                        },
+                        +[](Scene& s) {
+                            s.array.amplitudes_m = {1e-6, 2e-6, 3e-6};
+                        },
+                        +[](Scene& s) {
+                            s.array.materials = {"steel", "steel", "steel"};
+                        },
+                        +[](Scene& s) {
+                            s.array.diameters_m = {1e-3, 1e-3, 1e-3};
+                        }}) {
+        EXPECT_THAT(fault_after(change), HasSubstr("found 3 entries with 2 of array.x_m"));
+    }
     EXPECT_THAT(
         fault_after([](Scene& s) { s.array.x_m.clear(), s.array.y_m.clear(), s.array.delays_s = {1}; }),
         HasSubstr("array.x_m: found nothing"));

@@ -67,6 +67,15 @@ TEST(Laminate, SectionsAreThoseOfAnIndependentProgram) {
     EXPECT_NEAR(glued.section.mass_kg_per_m2, 0.687, 1e-15);
 }
 
+// Reference: an independent program, to all digits.
+TEST(Laminate, ALayerLosesByItsShareOfTheBending) {
+    Scene scene = layered({"aluminium", "acrylic"}, {0.2e-3, 0.5e-3});
+    scene.end.loss_factors = {0.001, 0.02};
+    const Laminate two = laminate(layers_of(scene));
+    EXPECT_NEAR(two.section.loss_factor, 0.014871156412892888, 1e-15);
+    EXPECT_NEAR(two.neutral_plane_m, 0.12948235605509181e-3, 1e-17);  // from the sphere's side
+}
+
 TEST(Laminate, ModesAreThoseOfAnIndependentProgram) {
     Scene scene = layered({"aluminium", "acrylic"}, {0.2e-3, 0.5e-3});
     scene.end.model = PlateModel::modal;

@@ -48,13 +48,17 @@ Eigen::VectorXcd exact_mobilities(const PlateResponse& plate, double frequency_h
     return mode_mobilities(plate.modes, z, frequency_hz);
 }
 
-Complex exact_pressure(const PlateResponse& plate, double frequency_hz) {
+/// Computes the pressure at the hydrophone. @param v velocities of the modes
+Complex pressure_of(const PlateResponse& plate, const Eigen::VectorXcd& v, double frequency_hz) {
     const PlateParameters& p = plate.parameters;
-    const Eigen::VectorXcd v = exact_mobilities(plate, frequency_hz);
     const double ka = two_pi * frequency_hz * p.radius_m / p.fluid.sound_speed_m_per_s;
     const ShapeTable shapes(disc_modes(p));
     const PointSpectrum per_mode(PointSound(shapes, 0, p.hydrophone_m / p.radius_m), ka);
     return p.fluid.density_kg_per_m3 * p.fluid.sound_speed_m_per_s * per_mode(ka).cwiseProduct(v).sum();
+}
+
+Complex exact_pressure(const PlateResponse& plate, double frequency_hz) {
+    return pressure_of(plate, exact_mobilities(plate, frequency_hz), frequency_hz);
 }
 
 Complex fitted(const PlateResponse& plate, const Eigen::VectorXcd& output, double frequency_hz) {
@@ -188,6 +192,8 @@ TEST_P(EveryPlate, IsFittedAsWellAsItSays) {
         constexpr int count = 500;
         double wrong = 0;
         double all = 0;
+        double wrong_pressure = 0;
+        double all_pressures = 0;
         for (int i = 0; i < count; ++i) {
             const double share = (i + 0.5) / count;
             const double f = share * plate->band_hz;
@@ -195,14 +201,38 @@ TEST_P(EveryPlate, IsFittedAsWellAsItSays) {
             const Complex v = exact_mobilities(*plate, f).sum();
             wrong += power * std::norm(fitted(*plate, plate->centre_m_per_s, f) - v);
             all += power * std::norm(v);
+            Eigen::VectorXcd modes(plate->parameters.modes);
+            for (Eigen::Index n = 0; n < modes.size(); ++n) {
+                modes[n] = fitted(*plate, plate->mode_m_per_s[static_cast<std::size_t>(n)], f);
+            }
+            const Complex p = exact_pressure(*plate, f);
+            wrong_pressure += power * std::norm(pressure_of(*plate, modes, f) - p);
+            all_pressures += power * std::norm(p);
         }
         EXPECT_LE(std::sqrt(wrong / all), 3 * plate->velocity_error + 1e-11);
+        EXPECT_LE(std::sqrt(wrong_pressure / all_pressures), 3 * plate->pressure_error + 1e-11);
     }
 }
 
 TEST_P(EveryPlate, NeverGivesMoreThanItTook) {
     for (const double accuracy : {1e-3, 1e-4}) {
-        EXPECT_GE(response_of(GetParam(), accuracy)->least_resistance, 0);
+        const auto plate = response_of(GetParam(), accuracy);
+        EXPECT_GE(plate->least_resistance, 0);
+        double least = 1;
+        const auto look = [&](double f) {
+            const Complex mobility = fitted(*plate, plate->centre_m_per_s, f);
+            least = std::min(least, mobility.real() / std::abs(mobility));
+        };
+        for (double f = 1e-4 * plate->band_hz; f < 1e2 * plate->band_hz; f *= 1.003) {
+            look(f);
+        }
+        for (Eigen::Index i = 0; i < plate->poles.size(); ++i) {
+            for (int widths = -8; widths <= 8; ++widths) {
+                look(std::abs(plate->poles[i].imag() + 0.25 * widths * plate->poles[i].real()) / two_pi);
+            }
+        }
+        EXPECT_GE(least, -1e-6);
+        EXPECT_LE(plate->least_resistance, least + 1e-3);
     }
 }
 
