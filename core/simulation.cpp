@@ -58,6 +58,7 @@ Samples Simulation::make_samples(std::size_t capacity) const {
 void Simulation::reset() noexcept {
     solver_->reset();
     first_sample_ = 0;
+    refused_ = false;
     status_ = Status::running;
 }
 
@@ -71,7 +72,8 @@ bool Simulation::can_hand_over(const ResolvedScene& scene) noexcept {
 
 Status Simulation::continue_from(Simulation& before, std::int64_t first) noexcept {
     first_sample_ = first;
-    status_ = before.status_ = before.solver_->reach_end();
+    refused_ = taps() != before.taps();
+    status_ = refused_ ? Status::unstable : before.status_ = before.solver_->reach_end();
     if (status_ == Status::running) {
         solver_->begin_with(before.solver_->motion());
     }
@@ -119,6 +121,9 @@ Ledger Simulation::ledger() noexcept {
 }
 
 std::string Simulation::failure() const {
+    if (refused_) {
+        return "the simulation to be continued has other taps";
+    }
     return status_ == Status::unstable ? solver_->failure() : std::string{};
 }
 
@@ -126,7 +131,13 @@ Status Simulation::advance(Samples& samples, std::size_t count, TapSet wanted) n
     samples.first = solver_->next_sample();  // solvers count from 0
     samples.count = 0;
     if (status_ == Status::running) {
-        samples.holds = wanted & samples.taps();
+        samples.holds = wanted & samples.taps() & taps();
+        const ChannelCounts counts = channel_counts(scene());
+        for (const Tap tap : samples.holds) {
+            if (samples.channels(tap) != channels_of(tap, counts)) {
+                samples.holds = samples.holds - tap;  // a block of another scene
+            }
+        }
         const auto block = static_cast<std::int64_t>(std::min(count, samples.capacity()));
         const bool nothing = samples.holds.empty();
         status_ = solver_->produce(nothing ? nullptr : &samples, block);

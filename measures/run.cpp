@@ -162,8 +162,10 @@ public:
 private:
     Status change() {
         const SceneStep& step = *next();
-        auto simulation = std::make_unique<Simulation>(
-            step.scene, SimulationOptions{.taps = now_->taps(), .stop = options_.stop});
+        SimulationOptions simulated{.taps = now_->taps(), .stop = options_.stop};
+        simulated.live = options_.live;
+        simulated.threads = options_.threads;
+        auto simulation = std::make_unique<Simulation>(step.scene, simulated);
         if (step.continued) {
             const Status status = simulation->continue_from(*now_, step.sample);
             if (status != Status::running) {
@@ -217,11 +219,15 @@ Status fill(Run& run, Sequence& sequence, const std::function<bool(const Samples
         run.busy += Clock::now() - before;
         if (status != Status::running) {
             run.stopped = status == Status::stopped;
+            if (run.stopped) {
+                sequence.close(false);
+            }
             return status;
         }
         keep(run, block, sequence.now().chain().end);
         if (take && !take(block)) {
             run.stopped = true;
+            sequence.close(false);
             return Status::stopped;
         }
     }
@@ -382,9 +388,27 @@ Run run(const Resolution& resolved, const RunOptions& options) {
     const TapSet measured = measures::measured_taps(scene, options.measured);
     Faults faults;
     faults.add(measures::longest_run_fault(scene));
-    for (const Tap tap : (options.measured | options.recorded) - there) {
-        faults.add("taps", "found " + std::string(row_of(tap).name) +
-                               ", allowed: " + comma_separated(measures::names_of(there)));
+    faults.add("band_from_hz", measures::band_from_fault(options.band_from_hz));
+    const auto refuse = [&faults](TapSet wrong, TapSet allowed) {
+        for (const Tap tap : wrong) {
+            faults.add("taps", "found " + std::string(row_of(tap).name) +
+                                   ", allowed: " + comma_separated(measures::names_of(allowed)));
+        }
+    };
+    refuse((options.measured | options.recorded) - there, there);
+    refuse((options.measured & there) - measures::measurable_taps, there & measures::measurable_taps);
+    const auto check_step = [&](const SceneStep& step, const Scene& before) {
+        if (channel_counts(step.scene) != channel_counts(scene)) {
+            faults.add(
+                "steps",
+                "found a scene with other numbers of spheres, points or elements, allowed: equal ones");
+        } else if (step.continued &&
+                   !(Simulation::can_hand_over(before) && Simulation::can_hand_over(step.scene))) {
+            faults.add("steps", "found a motion that cannot be continued, allowed: those of can_hand_over()");
+        }
+    };
+    for (std::size_t i = 0; i < options.steps.size(); ++i) {
+        check_step(options.steps[i], i == 0 ? scene : options.steps[i - 1].scene);
     }
     faults.refuse<std::invalid_argument>();
     throw_if<OutOfMemory>(measures::memory_shortage(

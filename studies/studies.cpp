@@ -268,6 +268,9 @@ StudyTable sweep(const Scene& scene, const StudyKeys& vary, const StudyOptions& 
                  std::optional<std::int64_t> sobol) {
     Faults faults;
     const int jobs = jobs_of(options, faults);
+    if (points == SweepPoints::list && sobol) {
+        faults.add("sobol: found together with a list of points, allowed: with ranges");
+    }
     const auto make_plan = [&](const StudyKeys& keys) {
         return points == SweepPoints::list ? plan_of_list(scene, keys) : plan_of_axes(scene, keys, sobol);
     };

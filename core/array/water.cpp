@@ -171,7 +171,7 @@ Water::Water(const Scene& scene, std::vector<const PlateResponse*> responses, do
             static_cast<std::size_t>(most_asked * grid_.intervals / grid_.samples) + 2 * more;
         elements_.push_back(std::make_unique<Element>(
             Element{.plate = is_new ? plates_.back() : *same,
-                    .disc = std::make_unique<DiscInWater>(*responses[i], grid_, kernels),
+                    .disc = std::make_unique<DiscInWater>(*responses[i], grid_, kernels, window_lines),
                     .groups = {},
                     .sounds = std::move(sounds),
                     .modes = RowHistory(modes, static_cast<std::size_t>(longest) + more),
@@ -180,6 +180,10 @@ Water::Water(const Scene& scene, std::vector<const PlateResponse*> responses, do
                     .outputs = RowHistory(1 + points.size(), waiting),
                     .states = {},
                     .row = std::vector<double>(1 + points.size()),
+                    .heard = Eigen::VectorXd(longest * modes_),
+                    .force = Eigen::VectorXd(modes_),
+                    .out = Eigen::VectorXd(3 * modes_),
+                    .both = Eigen::VectorXd(2 * modes_),
                     .added = {}}));
         Element& element = *elements_.back();
         element.states.resize(element.plate->turn.size(), modes_);
@@ -239,17 +243,18 @@ void Water::begin_window(std::size_t number) noexcept {
     const Eigen::VectorXd& last = element.added.back();
     put_node(0, last.head(modes_).sum(), last.tail(modes_).sum(),
              element.accelerations.up_to(line_, 1).sum());
-    Eigen::VectorXd heard;
-    Eigen::VectorXd out(3 * modes_);
+    Eigen::VectorXd& out = element.out;
+    Eigen::VectorXd& force = element.force;
     const auto product = [this](const RowMajor& rows, Index row, const double* numbers) {
         return kernels_.sum_of_products(rows.row(row).data(), numbers, static_cast<std::size_t>(rows.cols()));
     };
     for (std::int64_t l = 1; l <= window_lines; ++l) {
         const std::int64_t line = line_ + l;
-        Eigen::VectorXd force = Eigen::VectorXd::Zero(modes_);
+        force.setZero();
         for (const Group& group : element.groups) {
             const IntervalWeights& memory = memories_[group.memory];
             const std::int64_t rows = rows_of(memory, modes_);
+            auto heard = element.heard.head(rows * modes_);
             heard = elements_[group.elements.front()]->modes.up_to(line - memory.newest, rows);
             for (std::size_t j = 1; j < group.elements.size(); ++j) {
                 heard += elements_[group.elements[j]]->modes.up_to(line - memory.newest, rows);
@@ -300,7 +305,7 @@ void Water::begin_window(std::size_t number) noexcept {
 void Water::end_window(std::size_t number) noexcept {
     Element& element = *elements_[number];
     const std::vector<PlateMode>& modes = element.plate->response.modes;
-    Eigen::VectorXd both(2 * modes_);
+    Eigen::VectorXd& both = element.both;
     for (std::int64_t l = 1; l <= window_lines; ++l) {
         both = element.added[static_cast<std::size_t>(l - 1)] +
                Eigen::Map<const Eigen::VectorXd>(element.disc->own_modes(l), 2 * modes_);
@@ -320,9 +325,9 @@ void Water::end_window(std::size_t number) noexcept {
     }
     // discs that nearly touch hear the first sound from within the next window: its force is small, and is extrapolated
     const std::int64_t end = line_ + window_lines;
-    const Eigen::VectorXd now = element.modes.up_to(end, 1);
-    const Eigen::VectorXd before = element.modes.up_to(end - 1, 1);
-    const Eigen::VectorXd earlier = element.modes.up_to(end - 2, 1);
+    const auto now = element.modes.up_to(end, 1);
+    const auto before = element.modes.up_to(end - 1, 1);
+    const auto earlier = element.modes.up_to(end - 2, 1);
     for (std::int64_t l = 1; l <= window_lines; ++l) {
         const auto t = static_cast<double>(l);
         both.head(modes_) = now + t * (now - before) + 0.5 * t * (t + 1) * (now - 2 * before + earlier);

@@ -90,6 +90,11 @@ private:
         RowHistory outputs;                   ///< velocity of the face, pressures at the points
         Eigen::MatrixXcd states;              ///< [pair][mode whose force drives it]
         std::vector<double> row;              ///< of outputs
+        // room for what is worked out
+        Eigen::VectorXd heard;  ///< displacements of a group's modes
+        Eigen::VectorXd force;  ///< on the modes
+        Eigen::VectorXd out;    ///< displacements, velocities and accelerations of the modes
+        Eigen::VectorXd both;   ///< displacements and velocities of the modes
         std::vector<Eigen::VectorXd>
             added;  ///< of the window: displacements and velocities that the others give the modes
         double held = 0;

@@ -150,6 +150,9 @@ std::vector<Fault> drive_faults(const Drive& drive) {
         return {{"drive.file", drive.file ? quoted_briefly(*drive.file) + ", which was not read" : "nothing",
                  R"(a recording with drive.kind = "file")"}};
     }
+    if (drive.samples.size() == 1) {
+        return {{"drive.samples", "one sample", "at least two: a motion"}};
+    }
     if (!drive.sample_rate_hz) {
         return {{"drive.sample_rate_hz", "nothing", "the rate of the record: its file does not tell it"}};
     }

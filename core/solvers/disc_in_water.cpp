@@ -13,13 +13,14 @@ FixedTime TimeGrid::at(std::int64_t line) const noexcept {
 }
 
 DiscInWater::DiscInWater(const PlateResponse& response, const TimeGrid& grid,
-                         const kernels::SeriesKernels& kernels)
+                         const kernels::SeriesKernels& kernels, std::int64_t most_lines)
     : grid_(grid),
       kernels_(kernels),
       modes_(response.modes.size()),
       forced_(response, grid.interval_s()),
       states_(2 * forced_.size()),
       next_(2 * forced_.size()) {
+    own_.reserve(static_cast<std::size_t>(most_lines) * 2 * modes_);
     const auto size = static_cast<Eigen::Index>(forced_.size());
     const auto modes = static_cast<Eigen::Index>(modes_);
     rows_ = Eigen::MatrixXd::Zero(2 * modes, 2 * size);

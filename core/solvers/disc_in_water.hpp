@@ -37,13 +37,14 @@ public:
     /// Coefficients by the share of the window [m].
     using Window = std::array<double, window_terms>;
 
-    /// @param response outlives the object
-    DiscInWater(const PlateResponse& response, const TimeGrid& grid, const kernels::SeriesKernels& kernels);
+    /// @param response outlives the object @param most_lines of a window
+    DiscInWater(const PlateResponse& response, const TimeGrid& grid, const kernels::SeriesKernels& kernels,
+                std::int64_t most_lines);
 
     /// Back to rest at sample 0.
     void reset() noexcept;
 
-    /// The motion of the centre over the next `lines` intervals, up to the last of which no piece goes.
+    /// The motion of the centre over the next `lines` intervals (at most most_lines), up to the last of which no piece goes.
     void carry(const Window& window, std::int64_t lines) noexcept;
     FixedTime window_end() const noexcept { return grid_.at(window_begin_ + window_lines_); }
     /// Its series in z about a moment of the window [m].

@@ -176,11 +176,9 @@ StepAdvice advise_step(const Scene& asked) {
     return advise(scene, reference).advice;
 }
 
-Resolution resolve(const Scene& asked, std::optional<double> run_s, const std::atomic<bool>* stop,
+Resolution resolve(const Scene& given, std::optional<double> run_s, const std::atomic<bool>* stop,
                    std::size_t threads) {
-    if (const Scene complete = with_live_drive(asked); complete != asked) {
-        return resolve(complete, run_s, stop, threads);
-    }
+    const Scene asked = with_live_drive(given);
     if (is_array(asked) && validate(asked).empty()) {
         return resolve_array(asked, run_s, stop, threads);
     }

@@ -92,8 +92,10 @@ struct Run {
     Json recordings;  ///< the written files; null: none
 
     const Scene& scene() const noexcept { return last_scene ? *last_scene : resolved.scene; }
-    std::size_t rows() const { return taps.front().values.size(); }
-    double simulated_s() const { return static_cast<double>(rows() - 1) / scene().output.sample_rate_hz; }
+    std::size_t rows() const { return taps.empty() ? 0 : taps.front().values.size(); }
+    double simulated_s() const {
+        return rows() > 0 ? static_cast<double>(rows() - 1) / scene().output.sample_rate_hz : 0;
+    }
     double wall_s() const { return std::chrono::duration<double>(busy).count(); }
 
     /// The number of that name: "peak_v_out_m_per_s", "harmonics_db_3", "p_axis.thd_r" (docs/measures.md); NaN where the run does not

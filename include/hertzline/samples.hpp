@@ -5,6 +5,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <new>
 #include <span>
 #include <vector>
 
@@ -15,11 +16,15 @@ namespace hertzline {
 /// A block of samples: a column for each tap. Sized once, filled by Simulation::advance().
 class Samples {
 public:
-    /// Room for `capacity` samples of those taps.
+    /// Room for `capacity` samples of those taps. @throws std::bad_alloc
     Samples(TapSet taps, const ChannelCounts& counts, std::size_t capacity)
         : capacity_(capacity), counts_(counts), taps_(taps) {
         for (const Tap tap : taps) {
-            columns_[static_cast<std::size_t>(tap)].resize(capacity * channels(tap));
+            std::vector<double>& column = columns_[static_cast<std::size_t>(tap)];
+            if (channels(tap) > 0 && capacity > column.max_size() / channels(tap)) {
+                throw std::bad_alloc();
+            }
+            column.resize(capacity * channels(tap));
         }
     }
 

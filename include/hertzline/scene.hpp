@@ -204,7 +204,8 @@ std::vector<Fault> validate(const Scene& scene);
 /// A valid scene that leaves nothing open: integrator and step are set, by the user or by resolve().
 class ResolvedScene {
 public:
-    /// Implicit: a scene with both is one. @throws std::invalid_argument where one of them is open
+    /// Implicit: a scene with both is one. @param scene has passed validate(), as that of a Resolution without faults; for others the
+    /// behaviour of a simulation is undefined @throws std::invalid_argument where one of them is open
     ResolvedScene(Scene scene);
 
     const Scene& scene() const noexcept { return scene_; }

@@ -9,6 +9,7 @@
 #include <memory>
 #include <string>
 
+#include "hertzline/ledger.hpp"
 #include "hertzline/samples.hpp"
 #include "hertzline/scene.hpp"
 #include "hertzline/taps.hpp"
@@ -17,7 +18,6 @@ namespace hertzline {
 
 struct Chain;
 struct ChainState;
-struct Ledger;
 class PiecewiseMotion;
 class Solver;
 
@@ -111,11 +111,12 @@ public:
     /// The motion will end at this sample, which belongs to the simulation that follows. @param sample first_open_sample() or later
     void end_at(std::int64_t sample) noexcept;
     /// Begins at sample `first`, where `before` ends, with its motion and account of energy. Allocates nothing.
-    /// @param before can_hand_over(); its scene differs in drive and step only; has given all samples before `first`
-    /// @returns the status of `before` at its end
+    /// @param before can_hand_over(); has the same taps; its scene differs in drive and step only; has given all samples before `first`
+    /// @returns the status of `before` at its end, whose failure() tells more; unstable where the taps differ
     Status continue_from(Simulation& before, std::int64_t first) noexcept;
 
-    /// The next `count` samples (at most the block's capacity) of the wanted taps for which the block has room. Allocates nothing. If
+    /// The next `count` samples (at most the block's capacity) of the wanted taps for which the block has room and that the options name;
+    /// `holds` tells which. A tap for which it has another number of channels is none of them. Allocates nothing. If
     /// the step turns out to lie beyond the stability limit the block comes back empty, and failure() names place and time. In an array a
     /// tap that was not wanted before may be missing, which the block's `holds` says, for as long as an element is later than others.
     Status advance(Samples& samples, std::size_t count, TapSet wanted) noexcept;
@@ -167,6 +168,7 @@ private:
     std::unique_ptr<Solver> solver_;
     std::int64_t first_sample_ = 0;
     Status status_ = Status::running;
+    bool refused_ = false;  ///< continue_from() was given a simulation with other taps
 };
 
 }  // namespace hertzline

@@ -39,16 +39,21 @@ ReceivedFrame* Listener::receive(std::chrono::milliseconds patience) {
     if (!subscriber_ || ended()) {
         return nullptr;
     }
-    const auto start = std::chrono::steady_clock::now();
+    using Clock = std::chrono::steady_clock;
+    const Clock::time_point start = Clock::now();
     ReceivedFrame* frame = nullptr;
     if (const Message* message = subscriber_->receive(patience)) {
         frame = take(*message);
     } else {
-        silence_ += std::chrono::steady_clock::now() - start;
+        // Between calls nothing has come, either. Of a program that was suspended only a second counts: messages may be on their way.
+        const Clock::time_point now = Clock::now();
+        silence_ +=
+            std::min(now - looked_at_, std::max<Clock::duration>(now - start, std::chrono::seconds(1)));
         if (silence_.count() > timeout_s()) {
             end(EndReason::silence);
         }
     }
+    looked_at_ = Clock::now();
     if (auto refusal = subscriber_->refusal()) {
         for (auto& [tap, run] : runs_) {
             run.note_refusal(*refusal);

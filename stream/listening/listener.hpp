@@ -80,6 +80,7 @@ private:
     std::map<Tap, RunReceiver> runs_;
     bool introduced_ = false;  // meta has come; a frame before it would not be known
     std::chrono::duration<double> silence_{};
+    std::chrono::steady_clock::time_point looked_at_ = std::chrono::steady_clock::now();
     std::optional<Refusal> refusal_;
 };
 

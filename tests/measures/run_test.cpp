@@ -47,6 +47,19 @@ TEST(Run, RequestsThatItCannotMeetAreRefused) {
     EXPECT_THAT(error_of([&] { run(wall, {.measured = Tap::v_plate}); }),
                 HasSubstr("found v_plate, allowed: v_out, v_last"));
     EXPECT_THROW(run(wall)["p_axis.thd_r"], std::out_of_range);
+    EXPECT_THAT(
+        error_of([&] { run(wall, {.measured = Tap::v_chain, .band_from_hz = -1}); }),
+        AllOf(HasSubstr("found v_chain, allowed: v_out, v_last"), HasSubstr("band_from_hz: found -1")));
+    const Resolution resolved = resolve(wall);
+    Scene longer = resolved.scene;
+    longer.chain.spheres = 7;
+    const std::vector<SceneStep> other{{.sample = 10, .scene = longer}};
+    EXPECT_THAT(error_of([&] { run(resolved, {.steps = other}); }), HasSubstr("other numbers of spheres"));
+    Scene array = read_scene("seven-chains");
+    array.array.coupling = Coupling::none;
+    const Resolution arrayed = resolve(array);
+    const std::vector<SceneStep> on{{.sample = 10, .continued = true, .scene = arrayed.scene}};
+    EXPECT_THAT(error_of([&] { run(arrayed, {.steps = on}); }), HasSubstr("cannot be continued"));
     Scene endless;
     endless.output.duration_s = 1e6;
     EXPECT_THAT(error_of([&] { run(endless); }),
@@ -177,7 +190,15 @@ TEST(Run, GivesItsSamplesAsTheyCome) {
                       }});
     EXPECT_EQ(rows, all.rows());
     const std::atomic<bool> stop = true;
-    EXPECT_TRUE(run(Scene{}, {.stop = &stop}).stopped);
+    const hertzline::Run none = run(Scene{}, {.stop = &stop});
+    EXPECT_TRUE(none.stopped);
+    EXPECT_EQ(none.simulated_s(), 0);
+    const hertzline::Run part =
+        run(Scene{}, {.take = [](const Samples& block) { return block.first < 1000; }});
+    EXPECT_TRUE(part.stopped);
+    EXPECT_GT(part.steps, 0);
+    EXPECT_GT(part.load.force_n, 0);
+    EXPECT_LT(part.energy_residual, 1e-3);
 }
 
 }  // namespace

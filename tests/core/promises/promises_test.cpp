@@ -10,6 +10,7 @@
 #include "core/model/energy.hpp"
 #include "core/scene/scene_words.hpp"
 #include "core/step_choice/step_advice.hpp"
+#include "hertzline/resolve.hpp"
 #include "tests/support/allocation_count.hpp"
 #include "tests/support/records.hpp"
 #include "tests/support/runs.hpp"
@@ -195,11 +196,23 @@ TEST(Promises, StifferContactsBeyondThePilotsMakeNoPieceCoarser) {
     EXPECT_LT(std::sqrt(error / size), default_accuracy);
 }
 
+/// Three discs that feel each other, two of them at one distance from the third.
+Scene coupled_array() {
+    Scene scene;
+    scene.end.model = PlateModel::modal;
+    scene.array.x_m = {0, 12e-3, 24e-3};
+    scene.array.y_m = {0, 0, 0};
+    scene.output.points_m = {{0, 0, 20e-3}, {5e-3, 0, 20e-3}};
+    return resolve(scene).scene;
+}
+
 TEST(Promises, AdvancingAllocatesNothing) {
     if (HERTZLINE_ALLOCATIONS_ARE_COUNTED == 0) {
         GTEST_SKIP() << "sanitizers bring an allocator of their own";
     }
-    for (const Scene& scene : every_kind()) {
+    std::vector<Scene> scenes = every_kind();
+    scenes.push_back(coupled_array());
+    for (const Scene& scene : scenes) {
         Simulation simulation(scene, {.taps = everything});
         Samples part = simulation.make_samples(64);
         const std::size_t before = allocations();
@@ -210,6 +223,17 @@ TEST(Promises, AdvancingAllocatesNothing) {
         }
         EXPECT_EQ(allocations() - before, 0U);
     }
+}
+
+TEST(Promises, ABlockOfAnotherSceneIsFilledWhereItFits) {
+    const Scene scene = with_step(Scene{}, Integrator::leapfrog, 100e-9);
+    Simulation simulation(scene, {.taps = TapSet(Tap::v_out) | Tap::v_chain});
+    Samples longer(everything, {.spheres = 9, .points = 2, .elements = 1}, 64);
+    ASSERT_EQ(simulation.advance(longer, 64), Status::running);
+    EXPECT_EQ(longer.holds, TapSet(Tap::v_out));
+    EXPECT_EQ(longer.count, 64U);
+    EXPECT_THROW(Samples(Tap::v_chain, {.spheres = std::size_t{1} << 40U}, std::size_t{1} << 30U),
+                 std::bad_alloc);
 }
 
 TEST(Promises, AnUnstableStepIsReportedAndGivesNoSamples) {

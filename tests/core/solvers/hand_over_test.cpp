@@ -157,6 +157,19 @@ TEST(HandOver, OfAGridNeedsStepsThatDivideTheSamplePeriod) {
     EXPECT_FALSE(Simulation::can_hand_over(with_step(ringing(), Integrator::leapfrog, 0.9e-8)));
 }
 
+TEST(HandOver, NeedsTheSameTaps) {
+    const Scene scene = with_step(ringing(), Integrator::taylor8, 700e-9);
+    Simulation before(scene, {.taps = Tap::v_out});
+    Simulation after(scene, {.taps = TapSet(Tap::v_out) | Tap::v_last});
+    before.end_at(change);
+    column(before, Tap::v_out, change);
+    EXPECT_EQ(after.continue_from(before, change), Status::unstable);
+    EXPECT_NE(after.failure().find("other taps"), std::string::npos);
+    after.reset();
+    EXPECT_EQ(after.failure(), "");
+    EXPECT_EQ(after.skip(100), Status::running);
+}
+
 TEST(HandOver, BurstsStartAtASampleOrJustBehindOne) {
     const Bursts thirds(10, 3);
     EXPECT_EQ(thirds.last_sample_until(1), 3);

@@ -331,5 +331,22 @@ TEST(Resolve, ASimulationTakesNoModalPlateAndNoOtherLawOfDampingOnAGrid) {
     }
 }
 
+TEST(Resolve, AValueThatIsNoNumberIsAFault) {
+    Scene scene;
+    scene.chain.preload_n = std::nan("");
+    const Resolution resolved = resolve(scene);
+    ASSERT_EQ(resolved.faults.size(), 1U);
+    EXPECT_THAT(resolved.faults[0].message(), HasSubstr("chain.preload_n: found nan"));
+}
+
+TEST(Resolve, ARecordOfOneSampleIsAFault) {
+    Scene scene;
+    scene.drive.kind = DriveKind::file;
+    scene.drive.sample_rate_hz = 1e6;
+    scene.drive.samples = {1e-6};
+    ASSERT_EQ(resolve(scene).faults.size(), 1U);
+    EXPECT_EQ(resolve(scene).faults[0].key, "drive.samples");
+}
+
 }  // namespace
 }  // namespace hertzline::test

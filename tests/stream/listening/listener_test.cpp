@@ -89,6 +89,14 @@ TEST_F(ListenerTest, FollowsEveryRunWhenAskedTo) {
     EXPECT_TRUE(listener.runs().empty());
 }
 
+TEST_F(ListenerTest, EndsAfterASilenceThatIsNotWaitedFor) {
+    Listener polled(endpoint, {.timeout_s = 0.3});
+    EXPECT_TRUE(eventually([&] {
+        polled.receive(std::chrono::milliseconds(0));
+        return polled.ended();
+    }));
+}
+
 TEST_F(ListenerTest, EndsAfterASilenceOrWhenItIsClosed) {
     Listener silent(endpoint, {.timeout_s = 0.05});
     EXPECT_THAT(runs_of(silent, 1), testing::IsEmpty());
