@@ -2,6 +2,7 @@
 // Everything, for programs that link hertzline::hertzline. Those that link hertzline::core alone include simulation.hpp and resolve.hpp.
 
 #include "hertzline/integrator.hpp"
+#include "hertzline/ledger.hpp"
 #include "hertzline/materials.hpp"
 #include "hertzline/resolve.hpp"
 #include "hertzline/run.hpp"
