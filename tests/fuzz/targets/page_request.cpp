@@ -1,11 +1,13 @@
-// Requests of a browser for the scope's page or socket: method, target, Host, Origin and whether it opens a socket, a line each; and the
-// address of the first line as that of --http.
+// Requests of a browser for the scope's page or socket: the address of --http and, behind a blank, a host of --scope-allow, then method,
+// target, Host, Origin and whether it opens a socket, a line each.
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <string>
 #include <string_view>
 
+#include "core/scene/text.hpp"
 #include "scope/server/page_rules.hpp"
 #include "tests/fuzz/claim.hpp"
 
@@ -34,12 +36,18 @@ void claim_rules(const PageRequest& request, const PageAddress& address) {
     }
     claim(request.target.find(token) == 1, "a request without the token sees nothing");
     claim(request.method == "GET" || request.method == "HEAD", "pages can only be read");
-    claim(!request.opens_a_socket || request.origin == "http://" + std::string(request.host),
+    const bool by_proxy = !address.allowed.empty() && address.allowed.front().starts_with("https://");
+    claim(!request.opens_a_socket || request.origin == "http://" + std::string(request.host) ||
+              (by_proxy && request.origin == "https://" + std::string(request.host)),
           "no page of another origin opens a socket", std::string(request.origin));
     const bool a_name =
         request.host.find_first_not_of("0123456789abcdefABCDEF.:[]") != std::string_view::npos;
-    claim(!a_name || request.host.starts_with("localhost"), "no name that may be pointed here is ours",
-          std::string(request.host));
+    const std::string host = lower_case(request.host);
+    const bool allowed = std::ranges::any_of(address.allowed, [&host](const std::string& origin) {
+        return origin.find(host) != std::string::npos;
+    });
+    claim(!a_name || request.host.starts_with("localhost") || allowed,
+          "no name that may be pointed here is ours", std::string(request.host));
 }
 
 }  // namespace
@@ -49,10 +57,21 @@ void claim_rules(const PageRequest& request, const PageAddress& address) {
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
     namespace fuzz = hertzline::fuzz;
     std::string_view rest(reinterpret_cast<const char*>(data), size);
-    const auto address = hertzline::scope::page_address(fuzz::next_line(rest));
+    std::string_view host = fuzz::next_line(rest);
+    const std::string_view first = host.substr(0, host.find(' '));
+    host.remove_prefix(std::min(first.size() + 1, host.size()));
+    auto address = hertzline::scope::page_address(first);
     if (!address) {
         fuzz::claim_message(address.error(), fuzz::longest_message);
         return 0;
+    }
+    if (!host.empty()) {
+        auto allowed = hertzline::scope::allowed_host(host);
+        if (!allowed) {
+            fuzz::claim_message(allowed.error(), fuzz::longest_message);
+            return 0;
+        }
+        address->allowed.push_back(*std::move(allowed));
     }
     hertzline::scope::PageRequest request;
     request.method = fuzz::next_line(rest);
