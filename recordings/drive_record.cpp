@@ -219,7 +219,12 @@ std::optional<fs::path> record_of(const ParsedScene& parsed) {
     return option ? file : fs::path(parsed.origin).parent_path() / file;
 }
 
+}  // namespace hertzline::recordings
+
+namespace hertzline {
+
 std::optional<Fault> read_drive(ParsedScene& parsed, const std::function<void(const std::string&)>& warn) {
+    using namespace recordings;
     const Drive& drive = parsed.scene.drive;
     const bool record = drive.kind == DriveKind::file;
     if (!record && !(drive.kind == DriveKind::live && drive.file)) {
@@ -236,7 +241,9 @@ std::optional<Fault> read_drive(ParsedScene& parsed, const std::function<void(co
             Fault{"drive.file", quoted_briefly(*drive.file) + " beside drive.samples", "one of them"});
     }
     const auto warn_of_record = [&](const std::string& text) {
-        warn(fmt::format("{}{}drive.file: {}", parsed.origin, parsed.origin.empty() ? "" : ": ", text));
+        if (warn) {
+            warn(fmt::format("{}{}drive.file: {}", parsed.origin, parsed.origin.empty() ? "" : ": ", text));
+        }
     };
     try {
         auto fault = read(parsed, *record_of(parsed), warn_of_record);
@@ -250,4 +257,4 @@ std::optional<Fault> read_drive(ParsedScene& parsed, const std::function<void(co
     }
 }
 
-}  // namespace hertzline::recordings
+}  // namespace hertzline

@@ -1,21 +1,12 @@
 #pragma once
-// Records of the horn's motion: recordings that a scene names as its drive.
+// Where the record of a scene's drive lies. hertzline/drive_record.hpp reads it.
 
 #include <filesystem>
-#include <functional>
 #include <optional>
-#include <string>
 
-#include "hertzline/scene_file.hpp"
+#include "hertzline/drive_record.hpp"
 
 namespace hertzline::recordings {
-
-/// Reads the record that drive.file of a scene names into drive.samples: from then on the scene needs no other file. The file gives the rate,
-/// the quantity and the unit that the scene leaves open. The strongest line becomes drive.frequency_hz, also of samples that the scene has
-/// itself, unless it is given. The name is taken relative to the folder of the scene's file, that of a --set option to the current folder.
-/// Scenes without such a name stay as they are. @param warn takes sentences about the file, which begin with the scene's name @returns the fault of a file that is none, is too
-/// long or has gaps
-std::optional<Fault> read_drive(ParsedScene& parsed, const std::function<void(const std::string&)>& warn);
 
 /// Whether the scene gives the frequency that its record is measured by: as an option, or in the text that makes the drive a record.
 bool gives_frequency(const ParsedScene& parsed);

@@ -218,7 +218,7 @@ bool PointRunner::try_run(const Scene& scene, PointResult& result) {
         const auto warn = [&said](const std::string& warning) {
             said += (said.empty() ? "" : "; ") + warning;
         };
-        if (const auto fault = recordings::read_drive(with_record, warn)) {
+        if (const auto fault = read_drive(with_record, warn)) {
             result.status = PointStatus::refused;
             result.message = fault->message();
             return true;

@@ -1,6 +1,7 @@
 #pragma once
 // Everything, for programs that link hertzline::hertzline. Those that link hertzline::core alone include simulation.hpp and resolve.hpp.
 
+#include "hertzline/drive_record.hpp"
 #include "hertzline/integrator.hpp"
 #include "hertzline/ledger.hpp"
 #include "hertzline/materials.hpp"

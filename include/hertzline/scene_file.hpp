@@ -13,7 +13,7 @@
 
 namespace hertzline {
 
-/// Reads the scene of that name, a file's or a shipped one's, but not the record that drive.file names. @throws std::invalid_argument with every fault, a line each
+/// Reads the scene of that name, a file's or a shipped one's, but not the record that drive.file names (drive_record.hpp). @throws std::invalid_argument with every fault, a line each
 Scene read_scene(const std::string& name);
 
 /// A scene that can be simulated, and where its keys were given.

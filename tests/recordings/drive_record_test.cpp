@@ -9,6 +9,7 @@
 
 #include "core/model/drive.hpp"
 #include "core/model/sampled_motion.hpp"
+#include "hertzline/drive_record.hpp"
 #include "hertzline/resolve.hpp"
 #include "recordings/named_scene.hpp"
 #include "recordings/recording_formats.hpp"
@@ -103,6 +104,23 @@ TEST_F(DriveRecord, ReadsEveryFormatBesideTheScene) {
         EXPECT_EQ(drive(file, "column = '2'").samples, velocity.samples) << file;
     }
     EXPECT_THAT(warnings_, IsEmpty());
+}
+
+TEST_F(DriveRecord, IsReadByTheLibrary) {
+    write("r.csv", {"x_tip_m"});
+    ASSERT_TRUE(parsed("r.csv"));
+    auto scene = parse_scene_file(folder_.file("scene.toml"));
+    ASSERT_TRUE(scene);
+    EXPECT_EQ(resolve(scene->scene).faults.size(), 1U) << "it is not read";
+    EXPECT_EQ(read_drive(*scene), std::nullopt);
+    EXPECT_EQ(scene->scene.drive.samples, drive("r.csv").samples);
+    EXPECT_TRUE(resolve(scene->scene).faults.empty());
+    std::filesystem::remove(folder_.file("r.csv"));
+    auto missing = parse_scene_file(folder_.file("scene.toml"));
+    ASSERT_TRUE(missing);
+    const std::optional<Fault> fault = read_drive(*missing);
+    ASSERT_TRUE(fault);
+    EXPECT_EQ(fault->key, "drive.file");
 }
 
 TEST_F(DriveRecord, TakesTheHornOfARunOfItsOwn) {

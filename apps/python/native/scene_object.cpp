@@ -56,7 +56,7 @@ std::shared_ptr<SceneObject> parse(const std::string& text, const std::string& o
         if (!sets("drive.frequency_hz=")) {
             parsed->places.erase("drive.frequency_hz");  // of the drive before
         }
-        if (auto fault = recordings::read_drive(*parsed, warn)) {
+        if (auto fault = read_drive(*parsed, warn)) {
             return tl::unexpected(std::vector{*std::move(fault)});
         }
         return parsed;
