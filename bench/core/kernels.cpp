@@ -24,7 +24,7 @@ void step(benchmark::State& state, Integrator integrator) {
     const Scene scene = moving(state.range(0), integrator);
     Simulation simulation(scene);
     Samples part = simulation.make_samples(16);
-    simulation.skip(20);
+    static_cast<void>(simulation.skip(20));
     std::int64_t steps = 0;
     for (auto _ : state) {
         const std::int64_t before = simulation.steps();
@@ -37,7 +37,7 @@ void step(benchmark::State& state, Integrator integrator) {
         if (simulation.next_sample() > 5000) {
             state.PauseTiming();
             simulation.reset();
-            simulation.skip(20);
+            static_cast<void>(simulation.skip(20));
             state.ResumeTiming();
         }
     }

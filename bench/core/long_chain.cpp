@@ -90,7 +90,7 @@ Wave wave(std::int64_t spheres, WavefrontTracking tracking, std::int64_t from, s
     Wave result{std::numeric_limits<double>::infinity(), 0};
     for (int repetition = 0; repetition < 12; ++repetition) {
         simulation.reset();
-        simulation.skip(from);
+        static_cast<void>(simulation.skip(from));
         const double begin = processor_seconds();
         if (simulation.skip(steps) != Status::running) {
             throw std::runtime_error(simulation.failure());

@@ -190,8 +190,8 @@ std::vector<ReceivedFrame> differing(const Scene& scene, const std::vector<Recei
     for (const ReceivedFrame& frame : frames) {
         const auto sample = static_cast<std::int64_t>(frame.sample);
         if (samples.first != sample || samples.count != frame.samples) {
-            simulation.skip(sample - simulation.next_sample());
-            simulation.advance(samples, frame.samples);
+            static_cast<void>(simulation.skip(sample - simulation.next_sample()));
+            static_cast<void>(simulation.advance(samples, frame.samples));
         }
         const std::span<const double> expected = samples[frame.tap];
         values.assign(expected.begin(), expected.end());

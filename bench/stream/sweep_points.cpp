@@ -309,9 +309,9 @@ int main(int argc, char** argv) {
     const auto move_on = [&](std::int64_t point) {
         Scene scene = settled[static_cast<std::size_t>(point)];
         const auto samples = static_cast<std::int64_t>(Subject::samples(scene));
-        Simulation(scene).skip(samples);
+        static_cast<void>(Simulation(scene).skip(samples));
         *scene.numerics.step_s *= finer_steps;
-        Simulation(scene, {.ledger = LedgerKeeping::off}).skip(samples);
+        static_cast<void>(Simulation(scene, {.ledger = LedgerKeeping::off}).skip(samples));
     };
     const auto resolved = [](const Scene& scene, const Problem&) {
         return bench::hertzline_contender(resolve(scene).scene);

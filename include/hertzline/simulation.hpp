@@ -22,7 +22,7 @@ class PiecewiseMotion;
 class Solver;
 
 /// Whether the integration still stands.
-enum class Status {
+enum class [[nodiscard]] Status {
     running,
     unstable,
     stopped,  ///< as SimulationOptions asked

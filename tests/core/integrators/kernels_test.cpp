@@ -262,8 +262,8 @@ TEST(Kernels, SpheresAheadOfTheWaveAreLeftOutWithoutATrace) {
         scene.end.kind = EndKind::plate;
         scene.end.preload = PlatePreload::as_printed;
         Simulation at_once(scene);
-        by_and_by.skip(200);
-        at_once.skip(200);
+        EXPECT_EQ(by_and_by.skip(200), Status::running);
+        EXPECT_EQ(at_once.skip(200), Status::running);
         const Eigen::ArrayXd expected = at_once.state().v.head(3000);
         EXPECT_GT((expected != 0).count(), 100);
         // a series takes motion far below rounding for rest

@@ -132,7 +132,8 @@ TEST(Ledger, CountsWhatTheHornGetsBack) {
     scene.drive.amplitude_m = 1e-9;
     for (const Integrator integrator : choices<Integrator>) {
         Simulation simulation(with_step(scene, integrator, 25e-9));
-        simulation.skip(static_cast<std::int64_t>(300e-6 * scene.output.sample_rate_hz));
+        EXPECT_EQ(simulation.skip(static_cast<std::int64_t>(300e-6 * scene.output.sample_rate_hz)),
+                  Status::running);
         const hertzline::Ledger ledger = simulation.ledger();
         EXPECT_GT(ledger.gross_work, 3 * std::abs(ledger.work)) << word(integrator);
         EXPECT_NEAR(simulation.energy_residual(),
@@ -193,14 +194,14 @@ TEST(Energy, IsKeptByAnUndampedChainOnceTheHornRests) {
     scene.drive.frequency_hz = 300e3;
     Simulation simulation(with_step(scene, Integrator::chin4a, 25e-9), {.taps = everything});
     Samples part = simulation.make_samples(1000);
-    simulation.advance(part, 200);
+    EXPECT_EQ(simulation.advance(part, 200), Status::running);
     const auto energy = [&] {
         return kinetic_energy(simulation.chain(), simulation.state()) +
                stored_energy(simulation.chain(), simulation.state(), 0);
     };
     const double before = energy();
     for (int i = 0; i < 50; ++i) {
-        simulation.advance(part, 1000);
+        EXPECT_EQ(simulation.advance(part, 1000), Status::running);
     }
     EXPECT_NEAR(energy() / before, 1, 1e-5);
     EXPECT_EQ(simulation.ledger().lost, 0);
@@ -211,7 +212,7 @@ TEST(Energy, DampingOnlyEverLoses) {
     Samples part = simulation.make_samples(10);
     double lost = 0;
     for (int i = 0; i < 500; ++i) {
-        simulation.advance(part, 10);
+        EXPECT_EQ(simulation.advance(part, 10), Status::running);
         EXPECT_GE(simulation.ledger().lost, lost);
         lost = simulation.ledger().lost;
     }

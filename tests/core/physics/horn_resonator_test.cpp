@@ -123,7 +123,7 @@ TEST(HornResonator, TheNoiseOfARecordIsNotDifferentiated) {
     ASSERT_TRUE(resolved.estimate.has_value());
     EXPECT_LE(resolved.estimate->error, 1e-4);
     Simulation simulation(resolved.scene, {.taps = Tap::x_horn});
-    simulation.skip(4000);
+    EXPECT_EQ(simulation.skip(4000), Status::running);
     const Ledger ledger = simulation.ledger();
     const double missing = ledger.source_work - ledger.horn_lost - ledger.horn_held - ledger.work;
     EXPECT_NEAR(missing / ledger.work, 0, 0.02) << "but for the work of the preload";

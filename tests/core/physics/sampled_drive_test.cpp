@@ -98,7 +98,7 @@ Drive recorded_tone(Scene scene, double sample_rate_hz) {
     Simulation simulation(settled(scene), {.taps = Tap::v_horn});
     Samples samples =
         simulation.make_samples(static_cast<std::size_t>(scene.output.duration_s * sample_rate_hz) + 1);
-    simulation.advance(samples, samples.capacity());
+    EXPECT_EQ(simulation.advance(samples, samples.capacity()), Status::running);
     Drive drive = scene.drive;
     drive.kind = DriveKind::file;
     drive.quantity = DriveQuantity::velocity;

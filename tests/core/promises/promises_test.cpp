@@ -100,10 +100,10 @@ TEST(Promises, WhatIsNotWantedDoesNotChangeWhatIs) {
         EXPECT_EQ(recorded(without_ledger, 900, 900), expected);
         Simulation simulation(scene, {.taps = everything});
         Samples part = simulation.make_samples(300);
-        simulation.skip(300);
-        simulation.advance(part, 300, TapSet());
+        EXPECT_EQ(simulation.skip(300), Status::running);
+        EXPECT_EQ(simulation.advance(part, 300, TapSet()), Status::running);
         EXPECT_EQ(part.count, 300U);
-        simulation.advance(part, 300);
+        EXPECT_EQ(simulation.advance(part, 300), Status::running);
         for (std::size_t i = 0; i < 300; ++i) {
             ASSERT_EQ(part[Tap::v_out][i], expected.v_out[600 + i]);
         }
@@ -118,7 +118,7 @@ TEST(Promises, StepsTakenTogetherGiveTheBitsOfStepsTakenOneByOne) {
         const Record expected = recorded(one_by_one, 900, 300);
         Simulation together(scene);
         Samples part = together.make_samples(900);
-        together.advance(part, 900);
+        EXPECT_EQ(together.advance(part, 900), Status::running);
         EXPECT_TRUE(std::ranges::equal(part[Tap::v_out], expected.v_out));
         EXPECT_TRUE(std::ranges::equal(part[Tap::v_last], expected.v_last));
         EXPECT_EQ(together.contact_events(), one_by_one.contact_events());
@@ -149,7 +149,7 @@ TEST(Promises, LookingAtStateAndLedgerChangesNothing) {
         Samples part = looked_at.make_samples(10);
         Record record;
         for (int i = 0; i < 40; ++i) {
-            looked_at.advance(part, 10);
+            EXPECT_EQ(looked_at.advance(part, 10), Status::running);
             append(record, part);
             (void)looked_at.energy_residual();
         }
@@ -217,9 +217,9 @@ TEST(Promises, AdvancingAllocatesNothing) {
         Samples part = simulation.make_samples(64);
         const std::size_t before = allocations();
         for (int i = 0; i < 20; ++i) {
-            simulation.advance(part, 64);
-            simulation.advance(part, 64);
-            simulation.skip(64);
+            EXPECT_EQ(simulation.advance(part, 64), Status::running);
+            EXPECT_EQ(simulation.advance(part, 64), Status::running);
+            EXPECT_EQ(simulation.skip(64), Status::running);
         }
         EXPECT_EQ(allocations() - before, 0U);
     }

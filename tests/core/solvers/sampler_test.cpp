@@ -105,7 +105,7 @@ TEST(Sampling, TheBeginningIsSampleZero) {
         EXPECT_EQ(part.count, 8U);
         EXPECT_EQ(part[Tap::v_last][0], 0);
         EXPECT_NE(part[Tap::v_last][1], 0);
-        simulation.advance(part, 8);
+        EXPECT_EQ(simulation.advance(part, 8), Status::running);
         EXPECT_EQ(part.first, 8);
     }
 }
@@ -123,10 +123,10 @@ TEST(Sampling, SkippingFarDoesNotShiftTheSamples) {
         Simulation simulation(sampled(scene, 10e6, Integrator::chin4a, step));
         Samples early = simulation.make_samples(1000);
         Samples late = simulation.make_samples(1000);
-        simulation.skip(period * 20);
-        simulation.advance(early, 1000);
-        simulation.skip(period * bursts - simulation.next_sample());
-        simulation.advance(late, 1000);
+        EXPECT_EQ(simulation.skip(period * 20), Status::running);
+        EXPECT_EQ(simulation.advance(early, 1000), Status::running);
+        EXPECT_EQ(simulation.skip(period * bursts - simulation.next_sample()), Status::running);
+        EXPECT_EQ(simulation.advance(late, 1000), Status::running);
         EXPECT_EQ(late.first, period * bursts);
         EXPECT_LE(relative_l2(late[Tap::v_out], early[Tap::v_out]), 1e-10);
     }

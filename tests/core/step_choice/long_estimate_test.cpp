@@ -17,7 +17,8 @@ std::optional<double> left_at(const Resolution& resolved, double end_s) {
     Simulation simulation(resolved.scene);
     EventRate rate(resolved.scene.drive);
     while (simulation.time_s() < end_s) {
-        simulation.skip(static_cast<std::int64_t>(1e-3 * resolved.scene.output.sample_rate_hz));
+        EXPECT_EQ(simulation.skip(static_cast<std::int64_t>(1e-3 * resolved.scene.output.sample_rate_hz)),
+                  Status::running);
         const MotionExtremes now = simulation.extremes();
         rate.note(now.time_s, now.contact_events);
         if (exceeds(now, rate, resolved.seen)) {

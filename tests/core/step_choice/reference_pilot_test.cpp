@@ -245,7 +245,7 @@ TEST(Estimate, StepsPerBurstAreThoseThatARunTakes) {
         scene.numerics.integrator = integrator;
         const Resolution settled = resolve(scene);
         Simulation simulation(settled.scene);
-        simulation.skip(static_cast<std::int64_t>(1.5 * 25 / 73e3 * 10e6));
+        EXPECT_EQ(simulation.skip(static_cast<std::int64_t>(1.5 * 25 / 73e3 * 10e6)), Status::running);
         EXPECT_NEAR(static_cast<double>(simulation.steps()) / (1.5 * settled.steps_per_burst), 1, 0.01);
     }
 }

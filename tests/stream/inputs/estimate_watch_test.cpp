@@ -19,7 +19,8 @@ namespace {
 
 MotionExtremes extent_after(const Scene& scene, double time_s) {
     Simulation simulation(scene);
-    simulation.skip(static_cast<std::int64_t>(time_s * scene.output.sample_rate_hz));
+    EXPECT_EQ(simulation.skip(static_cast<std::int64_t>(time_s * scene.output.sample_rate_hz)),
+              Status::running);
     return simulation.extremes();
 }
 
@@ -54,7 +55,8 @@ TEST(EstimateWatch, DoesNothingWhileTheMotionIsSteady) {
     EstimateWatch watch(resolved);
     Simulation simulation(resolved.scene);
     for (int looks = 0; looks < 30; ++looks) {
-        simulation.skip(static_cast<std::int64_t>(1e-3 * resolved.scene.output.sample_rate_hz));
+        EXPECT_EQ(simulation.skip(static_cast<std::int64_t>(1e-3 * resolved.scene.output.sample_rate_hz)),
+                  Status::running);
         EXPECT_EQ(watch.look(simulation.extremes()).warning, "");
         ASSERT_FALSE(watch.estimating());
     }

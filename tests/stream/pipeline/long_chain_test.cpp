@@ -102,7 +102,7 @@ TEST(LongChain, EverySampleOfEverySphereArrivesBitForBit) {
     std::vector<float> floats;
     std::int64_t wrong = 0;
     ChainListener listener(publisher.endpoint(), [&](const FrameHeader& header, std::span<const float> got) {
-        simulation.advance(expected, header.n);
+        EXPECT_EQ(simulation.advance(expected, header.n), Status::running);
         floats.assign(expected[Tap::v_chain].begin(), expected[Tap::v_chain].end());
         const bool same =
             floats.size() == got.size() && std::memcmp(floats.data(), got.data(), got.size_bytes()) == 0;
