@@ -84,10 +84,11 @@ class Recordings(InAFolder):
             hertzline.load(missing)
         with self.assertRaisesRegex(ValueError, "allowed: .csv"):
             hertzline.load(missing + ".mp3")
-        np.save(os.fsencode(self.folder) + b"/i\xe9.npy", np.arange(5, dtype=np.int16))
+        integers = os.fsdecode(os.fsencode(self.folder) + b"/i\xe9.npy")
+        np.save(integers, np.arange(5, dtype=np.int16))
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
-            loaded = hertzline.load(os.fsdecode(os.fsencode(self.folder) + b"/i\xe9.npy"), sample_rate_hz=1e6)
+            loaded = hertzline.load(integers, sample_rate_hz=1e6)
         self.assertEqual(len(loaded.t), 5)
 
     def test_columns_of_one_name_are_two(self):
