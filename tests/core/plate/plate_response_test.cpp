@@ -226,9 +226,9 @@ TEST_P(EveryPlate, NeverGivesMoreThanItTook) {
         for (double f = 1e-4 * plate->band_hz; f < 1e2 * plate->band_hz; f *= 1.003) {
             look(f);
         }
-        for (Eigen::Index i = 0; i < plate->poles.size(); ++i) {
+        for (const Complex& pole : plate->poles) {
             for (int widths = -8; widths <= 8; ++widths) {
-                look(std::abs(plate->poles[i].imag() + 0.25 * widths * plate->poles[i].real()) / two_pi);
+                look(std::abs(pole.imag() + 0.25 * widths * pole.real()) / two_pi);
             }
         }
         EXPECT_GE(least, -1e-6);
