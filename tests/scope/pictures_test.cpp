@@ -6,6 +6,7 @@
 #include <limits>
 #include <map>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <gmock/gmock.h>
@@ -328,24 +329,33 @@ TEST(View, WaitsForTheFramesOfTheOtherChannelsWhileTheyCome) {
     EXPECT_EQ(trigger_when(4), 9000) << "it has stopped";
 }
 
+/// @param number of the spectrum
+BurstSpectrum spectrum_of(std::uint64_t number, std::vector<double> amplitudes, std::uint32_t epoch = 0) {
+    BurstSpectrum spectrum;
+    spectrum.number = number;
+    spectrum.epoch = epoch;
+    spectrum.bin_hz = 1e3;
+    spectrum.amplitudes = std::move(amplitudes);
+    return spectrum;
+}
+
 TEST(SpectrumAverage, IsTheMeanPowerOfTheLatestAndStartsAnewWithTheScene) {
     SpectrumAverage average;
-    BurstSpectrum spectrum{.number = 1, .bin_hz = 1e3, .amplitudes = {1, 10, 0.1, 0}};
-    const auto levels = [&] {
+    const auto levels = [&average](const BurstSpectrum& spectrum) {
+        average.take(spectrum, 2);
         const std::string picture = average.picture(spectrum, 4e3, 4);
         return std::vector{number_at(picture, 0), number_at(picture, 1), number_at(picture, 2)};
     };
-    average.take(spectrum, 2);
-    EXPECT_THAT(levels(), testing::Pointwise(testing::FloatNear(1e-4F), {-20.0F, 0.0F, -40.0F}));
-    spectrum = {.number = 2, .bin_hz = 1e3, .amplitudes = {1, 0, std::sqrt(99.99), 0}};
-    average.take(spectrum, 2);
-    average.take(spectrum, 2);  // the same again
+    const auto are = [](float first, float second, float third) {
+        return testing::Pointwise(testing::FloatNear(1e-3F), {first, second, third});
+    };
+    EXPECT_THAT(levels(spectrum_of(1, {1, 10, 0.1, 0})), are(-20, 0, -40));
+    const BurstSpectrum second = spectrum_of(2, {1, 0, std::sqrt(99.99), 0});
+    EXPECT_THAT(levels(second), are(-16.9897F, 0, 0));
+    EXPECT_THAT(levels(second), are(-16.9897F, 0, 0)) << "the same again";
     EXPECT_EQ(average.count(), 2U);
-    EXPECT_THAT(levels(), testing::Pointwise(testing::FloatNear(1e-3F), {-16.9897F, 0.0F, 0.0F}));
-    spectrum = {.number = 3, .epoch = 1, .bin_hz = 1e3, .amplitudes = {1, 0, 0.1, 0}};
-    average.take(spectrum, 2);
+    EXPECT_THAT(levels(spectrum_of(3, {1, 0, 0.1, 0}, 1)), are(0, -300, -20));
     EXPECT_EQ(average.count(), 1U);
-    EXPECT_THAT(levels(), testing::Pointwise(testing::FloatNear(1e-4F), {0.0F, -300.0F, -20.0F}));
 }
 
 }  // namespace
