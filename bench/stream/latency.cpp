@@ -21,6 +21,7 @@
 #include "core/scene/json.hpp"
 #include "hertzline/resolve.hpp"
 #include "hertzline/scene_file.hpp"
+#include "measures/resources.hpp"
 #include "stream/inputs/simulation_source.hpp"
 #include "stream/pipeline/capacity.hpp"
 #include "stream/pipeline/pipeline.hpp"
@@ -138,9 +139,9 @@ struct Measured {
 Measured stream(const Scene& scene, Tap tap, double seconds) {
     const Listening listening(tap);
     SimulationSource source(scene, TapSet());
-    Publisher publisher(
-        "tcp://127.0.0.1:*", all_topics,
-        {.queue_bytes = usual_queue_bytes(), .largest_message = largest_frame_bytes(source.format())});
+    Publisher publisher("tcp://127.0.0.1:*", all_topics,
+                        {.queue_bytes = usual_queue_bytes(measures::available_memory_bytes()),
+                         .largest_message = largest_frame_bytes(source.format())});
     Pipeline pipeline({.about = Json::object(),
                        .samples = static_cast<std::int64_t>(seconds * scene.output.sample_rate_hz),
                        .start = StreamStart::with_first_subscriber},

@@ -24,6 +24,7 @@
 
 #include "bench/support/arguments.hpp"
 #include "core/scene/json.hpp"
+#include "measures/resources.hpp"
 #include "stream/pipeline/capacity.hpp"
 #include "stream/pipeline/pipeline.hpp"
 #include "stream/wire/frame_codec.hpp"
@@ -109,7 +110,8 @@ Received measure(const std::string& endpoint, std::string_view topic, double sec
 }
 
 PublisherOptions queues(const StreamFormat& format) {
-    return {.queue_bytes = usual_queue_bytes(), .largest_message = largest_frame_bytes(format)};
+    return {.queue_bytes = usual_queue_bytes(measures::available_memory_bytes()),
+            .largest_message = largest_frame_bytes(format)};
 }
 
 double ours(std::int64_t frame_samples, std::string_view topic, double seconds) {
