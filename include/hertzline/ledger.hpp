@@ -2,6 +2,7 @@
 // The account of a simulation's energy (docs/model.md, section 8).
 
 #include <cmath>
+#include <initializer_list>
 
 namespace hertzline {
 

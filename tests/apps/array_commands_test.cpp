@@ -100,8 +100,8 @@ TEST(ArrayCommands, AFieldIsThatOfAllElements) {
     EXPECT_EQ(field.json()["points"], 3);
     const Outcome run = hertzline(on_an_array({"run", "wet-vitreous-carbon", "--json"}));
     const Outcome there =
-        hertzline(on_an_array({"run", "wet-vitreous-carbon", "--json", "--set",
-                               "output.points_m=[[0,0,0.03],[0.012,0,0.03],[0.024,0,0.03]]"}));
+        hertzline(on_an_array({"run", "wet-vitreous-carbon", "--json"},
+                              {"--set", "output.points_m=[[0,0,0.03],[0.012,0,0.03],[0.024,0,0.03]]"}));
     const auto peaks = there.json()["peaks_p_points_pa"].get<std::vector<double>>();
     ASSERT_EQ(peaks.size(), 3U);
     EXPECT_NEAR(field.json()["largest_peak_pa"].get<double>(), *std::ranges::max_element(peaks),

@@ -9,7 +9,7 @@ import sys
 import time
 
 import stand as stands
-from stand import check
+from stand import check, wait_until
 
 def stopped_and_continued_again_and_again(stand):
     with stand.stream() as stream:

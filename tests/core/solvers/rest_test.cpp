@@ -55,6 +55,7 @@ TEST(Rest, TakesFewerPiecesAndKeepsTheBooks) {
 
 TEST(Rest, BooksTheEnergyOfAModalPlateOnce) {
     Scene scene = bursts(1e-2);
+    scene.numerics.step_s = 400e-9;
     scene.end.model = PlateModel::modal;
     Simulation simulation(scene);
     ASSERT_EQ(simulation.skip(three_bursts), Status::running);
