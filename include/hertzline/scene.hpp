@@ -53,8 +53,7 @@ struct Drive {
     std::optional<double> sweep_to_hz =
         {};              ///< the frequency at the burst's end, to which it changes steadily; unset: it stays
     double start_s = 0;  ///< until the first burst
-    std::optional<std::string> file =
-        {};  ///< of a record that is still to be read: drive_record.hpp
+    std::optional<std::string> file = {};        ///< of a record that is still to be read: drive_record.hpp
     std::optional<std::string> column = {};      ///< of the file; unset: the first
     std::optional<DriveQuantity> quantity = {};  ///< that was recorded; unset: displacement
     std::optional<double> sample_rate_hz = {};   ///< of the record

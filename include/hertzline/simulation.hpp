@@ -22,11 +22,13 @@ class PiecewiseMotion;
 class Solver;
 
 /// Whether the integration still stands.
+// clang-format off
 enum class [[nodiscard]] Status {
     running,
     unstable,
     stopped,  ///< as SimulationOptions asked
 };
+// clang-format on
 
 /// Whether spheres ahead of the wavefront are left out. With leapfrog the samples are the same, to the last bit.
 enum class WavefrontTracking {

@@ -1,3 +1,5 @@
+#include "hertzline/drive_record.hpp"
+
 #include <cmath>
 #include <filesystem>
 #include <numbers>
@@ -9,7 +11,6 @@
 
 #include "core/model/drive.hpp"
 #include "core/model/sampled_motion.hpp"
-#include "hertzline/drive_record.hpp"
 #include "hertzline/resolve.hpp"
 #include "recordings/named_scene.hpp"
 #include "recordings/recording_formats.hpp"
