@@ -208,14 +208,19 @@ const promises = {
     await until(this.page, () => document.getElementById('knob-answer').classList.contains('bad'));
     await knob.fill('1.5e-6');
     await knob.press('Enter');
-    await until(this.page, () => window.hertzline.answer?.answer.applies_at_sample);
-    const {answer} = await this.page.evaluate(() => window.hertzline.answer);
-    await until(this.page, (sample) => window.hertzline.waveform.picture.trigger >= sample, answer.applies_at_sample);
-    assert.equal((await pictureIn(this.page)).epoch, answer.epoch);
-    assert.ok(await peak() < 0.8 * before, `${await peak()} after ${before}`);
+    // The peak of the first burst that begins after the change that was answered last, and later than the one with `epoch`.
+    const peakAfter = async (epoch) => {
+      await until(this.page, (last) => window.hertzline.answer?.answer.epoch > last, epoch);
+      const {answer} = await this.page.evaluate(() => window.hertzline.answer);
+      await until(this.page, (sample) => window.hertzline.waveform.picture.trigger >= sample, answer.applies_at_sample);
+      assert.equal((await pictureIn(this.page)).epoch, answer.epoch);
+      return {epoch: answer.epoch, peak: await peak()};
+    };
+    const {epoch, peak: changed} = await peakAfter(0);
+    assert.ok(changed < 0.8 * before, `${changed} after ${before}`);
     await this.page.click('#undo');
-    await until(this.page, (epoch) => window.hertzline.waveform.picture.epoch > epoch, answer.epoch);
-    assert.ok(Math.abs(await peak() - before) < 0.1 * before);
+    const {peak: undone} = await peakAfter(epoch);
+    assert.ok(Math.abs(undone - before) < 0.1 * before, `${undone} after ${before}`);
   },
   async 'says below a field why its value was refused, and beside it the value in use'() {
     const knob = this.page.locator('[id="knob-drive.cycles"]');
