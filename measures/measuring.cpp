@@ -91,6 +91,9 @@ void measure(Run& run, SpectrumAnalyser* analyser, std::optional<double> band_fr
         append(run.warnings, band_warnings(row_of(tap.tap).name, tap.spectrum));
     }
     append(run.warnings, validity_warnings(run.load));
+    if (auto bent = bending_warning(run.scene(), run.deflection_m)) {
+        run.warnings.push_back(*std::move(bent));
+    }
     if (run.strength_warning) {
         run.warnings.push_back(*run.strength_warning);
     }

@@ -27,6 +27,7 @@ namespace {
 
 constexpr double block_numbers = 1 << 18;  // in a block: 2 MiB
 constexpr double longest_block = 4096;     // samples; enough to make the calls cost nothing
+constexpr TapSet plate_centre = TapSet(Tap::v_plate) | Tap::v_centre;
 
 void add_load(ContactLoad& largest, const ContactLoad& load) {
     largest.force_n = std::max(largest.force_n, load.force_n);
@@ -131,15 +132,48 @@ void keep(Run& run, const Samples& block, const EndModel& end) {
     }
 }
 
+/// How far the plates of a simulation bend: at rest, and the integral of their centres' velocities from there on.
+class Deflection {
+public:
+    explicit Deflection(const Simulation& simulation) {
+        for (std::size_t element = 0; element < simulation.elements(); ++element) {
+            now_m_.push_back(sag_at_rest(simulation.chain(element)));
+        }
+    }
+
+    /// Returns the largest of any plate in these samples [m]; 0 without a plate.
+    double largest_in(const Samples& block, double sample_rate_hz) {
+        double largest = 0;
+        for (const Tap tap : plate_centre& block.taps()) {
+            const std::span<const double> velocities = block[tap];
+            for (std::size_t i = 0; i < velocities.size(); ++i) {
+                double& now = now_m_[i % now_m_.size()];
+                now += velocities[i] / sample_rate_hz;
+                largest = std::max(largest, std::abs(now));
+            }
+        }
+        return largest;
+    }
+
+private:
+    std::vector<double> now_m_;
+};
+
 /// The simulations of a run, one after the other.
 class Sequence {
 public:
     Sequence(Run& run, Simulation& first, const RunOptions& options)
-        : run_(run), now_(&first), options_(options) {
+        : run_(run), now_(&first), options_(options), deflection_(first) {
         announce();
     }
 
     Simulation& now() noexcept { return *now_; }
+
+    /// Notes how far the present one's plates bend in these samples.
+    void note_deflection(const Samples& block) {
+        run_.deflection_m =
+            std::max(run_.deflection_m, deflection_.largest_in(block, now_->scene().output.sample_rate_hz));
+    }
 
     /// Ends the present one. @param continues its motion goes on in the next one
     void close(bool continues) { add_account(run_, *now_, continues); }
@@ -173,6 +207,7 @@ private:
             }
         } else {
             simulation->begin_at(step.sample);
+            deflection_ = Deflection(*simulation);
         }
         if (options_.begins) {
             options_.begins(done_);
@@ -199,6 +234,7 @@ private:
     Run& run_;
     Simulation* now_;
     const RunOptions& options_;
+    Deflection deflection_;
     std::unique_ptr<Simulation> later_;  // the present one, unless it is the first
     std::size_t done_ = 0;
 };
@@ -225,6 +261,7 @@ Status fill(Run& run, Sequence& sequence, const std::function<bool(const Samples
             return status;
         }
         keep(run, block, sequence.now().chain().end);
+        sequence.note_deflection(block);
         if (take && !take(block)) {
             run.stopped = true;
             sequence.close(false);
@@ -286,7 +323,7 @@ double rows_of_run(const Scene& scene) noexcept {
 }
 
 TapSet taps_of_run(const Scene& scene, TapSet wanted) noexcept {
-    const TapSet of_summary = TapSet(Tap::v_last) | Tap::v_out | Tap::v_plate | Tap::p_points;
+    const TapSet of_summary = TapSet(Tap::v_last) | Tap::v_out | plate_centre | Tap::p_points;
     return wanted | (of_summary & taps_of(scene));
 }
 

@@ -115,6 +115,16 @@ double compliance(const EndModel& end) {
     return sum;
 }
 
+/// A disc that bends too far for a linear plate.
+std::optional<std::string> bent_too_far(const Scene& scene, std::string_view bends, double by_m) {
+    if (scene.end.kind != EndKind::plate ||
+        !(std::abs(by_m) > laminate(layers_of(scene)).section.thickness_m / 2)) {
+        return std::nullopt;
+    }
+    return std::string(bends) + " the disc by " + briefly(std::abs(by_m)) +
+           " m, more than half its thickness; a disc that bends so far stiffens, which the model leaves out";
+}
+
 constexpr std::string_view remedy = "; end.theory = \"thick\" has the shear that is missing";
 
 /// Modes whose waves are too short for the theory, and a fluid that is taken for a mass where it is not.
@@ -155,13 +165,10 @@ void add_plate(const Scene& scene, const Chain& chain, std::vector<std::string>&
     if (chain.end.plate) {
         add_modes(scene, *chain.end.plate, warnings);
     }
-    const double sag = chain.end_force_n * compliance(chain.end);
-    if (sag > thickness / 2) {
-        warnings.push_back(
-            std::string(scene.chain.gravity_m_per_s2 == 0 ? "the preload bends" : "preload and weight bend") +
-            " the disc by " + briefly(sag) +
-            " m, more than half its thickness; a disc that bends so far stiffens, which the "
-            "model leaves out");
+    if (auto bent = bent_too_far(
+            scene, scene.chain.gravity_m_per_s2 == 0 ? "the preload bends" : "preload and weight bend",
+            sag_at_rest(chain))) {
+        warnings.push_back(*std::move(bent));
     }
 }
 
@@ -367,6 +374,14 @@ std::vector<std::string> validity_warnings(const Scene& scene, const Chain& chai
                            enumeration(materials) + " (docs/model.md, section 3, \"Other spheres\")");
     }
     return warnings;
+}
+
+double sag_at_rest(const Chain& chain) noexcept {
+    return chain.end_force_n * compliance(chain.end);
+}
+
+std::optional<std::string> bending_warning(const Scene& scene, double deflection_m) {
+    return bent_too_far(scene, "the motion bends", deflection_m);
 }
 
 std::vector<std::string> validity_warnings(const ContactLoad& load) {

@@ -40,6 +40,12 @@ std::optional<std::string> late_wave_warning(const Scene& scene);
 /// or before a tone's burst has arrived there.
 std::vector<std::string> late_sound_warnings(const Scene& scene);
 
+/// Displacement of a plate's centre by the force at rest [m].
+double sag_at_rest(const Chain& chain) noexcept;
+
+/// Warns of a motion that bends a disc by more than half its thickness. @param deflection_m the largest displacement of its centre [m]
+std::optional<std::string> bending_warning(const Scene& scene, double deflection_m);
+
 /// Warnings about a motion: contacts that were pressed too deep.
 std::vector<std::string> validity_warnings(const ContactLoad& load);
 

@@ -69,9 +69,10 @@ struct Run {
     std::int64_t steps = 0;
     double step_s = 0;  ///< step of the last simulation
     std::int64_t contact_events = 0;
-    ContactLoad load;                             ///< the largest of each
-    double static_pressure_pa = 0;                ///< the largest at rest [Pa]
-    std::optional<double> strength_ratio;         ///< the largest
+    ContactLoad load;                      ///< the largest of each
+    double static_pressure_pa = 0;         ///< the largest at rest [Pa]
+    double deflection_m = 0;               ///< the largest of the plate's centre [m]; 0 without a plate
+    std::optional<double> strength_ratio;  ///< the largest
     std::optional<std::string> strength_warning;  ///< warning of the scene with that ratio
     double energy_residual = 0;                   ///< residual of the ledger; the largest of several motions
     std::optional<PlateEnergy> plate;             ///< modal plates only

@@ -12,6 +12,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "core/model/chain.hpp"
 #include "core/model/energy.hpp"
 #include "hertzline/scene_file.hpp"
 #include "measures/measuring.hpp"
@@ -83,6 +84,42 @@ TEST(Run, AMotionThatGoesOnKeepsTheEnergiesOfThoseBefore) {
     EXPECT_GT(first.passed, 0.1 * all.passed);
     EXPECT_NEAR(all.passed, first.passed + second.passed, 0.02 * all.passed);
     EXPECT_NEAR(all.lost, first.lost + second.lost, 0.02 * all.lost);
+}
+
+TEST(Run, TheDeflectionIsThatOfThePlatesOwnMotion) {
+    Scene scene;
+    scene.drive.amplitude_m = 20e-6;
+    const Resolution resolved = resolve(scene);
+    const hertzline::Run done = run(resolved);
+    Simulation simulation(resolved);
+    const double sag = simulation.chain().end_force_n / simulation.chain().end.body.spring;
+    double largest = sag;
+    for (std::size_t sample = 0; sample < done.rows(); ++sample) {
+        ASSERT_EQ(simulation.skip(1), Status::running);
+        const ChainState& state = simulation.state();
+        largest = std::max(largest, std::abs(sag + state.x[state.x.size() - 1]));
+    }
+    EXPECT_GT(largest, 2 * sag);
+    EXPECT_NEAR(done.deflection_m, largest, 0.01 * largest);
+}
+
+TEST(Run, WarnsOfADiscThatTheMotionBendsTooFar) {
+    const auto bends = testing::Contains(HasSubstr("the motion bends the disc by"));
+    for (const PlateModel model : {PlateModel::lumped, PlateModel::modal}) {
+        Scene scene;
+        scene.end.model = model;
+        scene.drive.cycles = 4;
+        scene.output.duration_s = 100e-6;
+        EXPECT_THAT(run(scene).warnings, testing::Not(bends));
+        // F a^2 / (16 pi D): the deflection at rest, which this preload makes two fifths of the thickness
+        scene.chain.preload_n = 0.8 * Chain(Scene{}).end.body.spring * scene.end.thickness_m / 2;
+        scene.drive.amplitude_m = 1e-9;
+        const hertzline::Run nearly = run(scene);
+        EXPECT_NEAR(nearly.deflection_m, 0.4 * scene.end.thickness_m, 0.01 * scene.end.thickness_m);
+        EXPECT_THAT(nearly.warnings, testing::Not(bends));
+        scene.drive.amplitude_m = 50e-6;
+        EXPECT_THAT(run(scene).warnings, bends);
+    }
 }
 
 TEST(Run, TheNumbersOfEnergyAreThoseOfTheLedger) {
