@@ -159,6 +159,13 @@ private:
     std::vector<double> now_m_;
 };
 
+SimulationOptions simulation_options(const RunOptions& options, TapSet taps) {
+    SimulationOptions simulated{.taps = taps, .stop = options.stop};
+    simulated.live = options.live;
+    simulated.threads = options.threads;
+    return simulated;
+}
+
 /// The simulations of a run, one after the other.
 class Sequence {
 public:
@@ -196,10 +203,8 @@ public:
 private:
     Status change() {
         const SceneStep& step = *next();
-        SimulationOptions simulated{.taps = now_->taps(), .stop = options_.stop};
-        simulated.live = options_.live;
-        simulated.threads = options_.threads;
-        auto simulation = std::make_unique<Simulation>(step.scene, simulated);
+        auto simulation =
+            std::make_unique<Simulation>(step.scene, simulation_options(options_, now_->taps()));
         if (step.continued) {
             const Status status = simulation->continue_from(*now_, step.sample);
             if (status != Status::running) {
@@ -363,11 +368,8 @@ Run simulate(const Resolution& resolved, const RunOptions& options) {
     const auto start = std::chrono::steady_clock::now();
     const Scene& scene = resolved.scene;
     const TapSet measured = measured_taps(scene, options.measured);
-    SimulationOptions simulated{.taps = taps_of_run(scene, options.recorded | measured),
-                                .stop = options.stop};
-    simulated.live = options.live;
-    simulated.threads = options.threads;
-    Simulation simulation(resolved, simulated);
+    Simulation simulation(resolved,
+                          simulation_options(options, taps_of_run(scene, options.recorded | measured)));
     Run run = empty_run(resolved, measured, simulation.chain().end);
     run.setup_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     Sequence sequence(run, simulation, options);

@@ -100,9 +100,14 @@ std::vector<std::string> apply(const ThreadOptions& options, pthread_t thread) {
     return refused;
 }
 
-void wake_on_time() noexcept {
+PunctualWaking::PunctualWaking() noexcept
+    : slack_before_ns_(static_cast<unsigned long>(prctl(PR_GET_TIMERSLACK))) {
     constexpr unsigned long slack_ns = 1;
     prctl(PR_SET_TIMERSLACK, slack_ns);
+}
+
+PunctualWaking::~PunctualWaking() {
+    prctl(PR_SET_TIMERSLACK, slack_before_ns_);
 }
 
 ShortSlices::ShortSlices() noexcept : before_(set_slices(short_slice_ns)) {}

@@ -23,9 +23,18 @@ std::optional<std::string> cpu_fault(int cpu);
 /// Locks the process's present memory: call it when all memory of the thread is allocated.
 std::vector<std::string> apply(const ThreadOptions& options, pthread_t thread);
 
-/// The calling thread shall be woken at the time that it asks for. The system else takes 50 us more, to wake several
-/// threads at once.
-void wake_on_time() noexcept;
+/// While it lives, the calling thread is woken at the time that it asks for. The system else takes 50 us more, to wake
+/// several threads at once.
+class PunctualWaking {
+public:
+    PunctualWaking() noexcept;
+    ~PunctualWaking();
+    PunctualWaking(const PunctualWaking&) = delete;
+    PunctualWaking& operator=(const PunctualWaking&) = delete;
+
+private:
+    unsigned long slack_before_ns_;
+};
 
 /// While it lives, the calling thread and those that it starts run soon after they are woken, although others compute on
 /// their processor: they ask for short slices of time (Linux 6.12 and later). For threads that rest most of the time.

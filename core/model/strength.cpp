@@ -89,7 +89,11 @@ std::string excess_text(std::string_view contact, double at_rest, double most, c
     return std::string(contact) + ' ' + pressure_text(at_rest) + " MPa at rest" +
            (most > at_rest ? " and " + pressure_text(most) + " MPa at most" : "") + " (" + limit.material +
            (limit.failure == Failure::yields ? " yields" : " may crack") + " from " +
-           pressure_text(limit.pressure_pa) + " MPa on)";
+           pressure_text(limit.pressure_pa) + " MPa on" +
+           (limit.failure == Failure::yields
+                ? ", " + rounded_text(yield_begins, 2) + " times its yield strength"
+                : "") +
+           ")";
 }
 
 }  // namespace

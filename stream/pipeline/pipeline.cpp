@@ -55,7 +55,7 @@ Pipeline::Pipeline(StreamOptions options, SampleSource& source, Publisher& publi
 
 StreamMeters Pipeline::run(const std::atomic<bool>& stop, const StreamEvents& events) {
     events_ = &events;
-    wake_on_time();
+    const PunctualWaking on_time;
     send_meta();
     for (const std::string& refused : producer_.start(options_.thread)) {
         events.warn(refused);

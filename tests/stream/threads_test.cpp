@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 #include <sched.h>
+#include <sys/prctl.h>
 #include <sys/syscall.h>
 #include <unistd.h>
 
@@ -29,6 +30,16 @@ std::uint64_t slices() {
     } scheduling{};
     syscall(SYS_sched_getattr, 0, &scheduling, sizeof scheduling, 0);
     return scheduling.slice_ns;
+}
+
+TEST(PunctualWaking, EndsWithItsScope) {
+    const int usual = prctl(PR_GET_TIMERSLACK);
+    ASSERT_GT(usual, 1);
+    {
+        const PunctualWaking on_time;
+        EXPECT_EQ(prctl(PR_GET_TIMERSLACK), 1);
+    }
+    EXPECT_EQ(prctl(PR_GET_TIMERSLACK), usual);
 }
 
 TEST(ShortSlices, AreThoseOfTheThreadAndOfThoseThatItStartsButNotOfABackgroundThread) {

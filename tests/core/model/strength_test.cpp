@@ -80,7 +80,7 @@ TEST(Strength, EachKindOfContactIsNamedWithBothItsPressures) {
     ASSERT_TRUE(beyond);
     EXPECT_THAT(*beyond, AllOf(HasSubstr("horn - sphere "), HasSubstr(" MPa at rest (aluminium yields"),
                                HasSubstr("sphere - sphere 774 MPa at rest and 2300 MPa at most (aluminium "
-                                         "yields from 442 MPa on)")));
+                                         "yields from 442 MPa on, 1.6 times its yield strength)")));
     EXPECT_NEAR(*strength_ratio(judged), 2300 / (1.6 * 276), 1e-9);
 }
 
