@@ -77,12 +77,16 @@ Json sigmf_extensions() {
     return Json::array({Json{{"name", "hertzline"}, {"version", "1.0.0"}, {"optional", true}}});
 }
 
-std::string sha512_of(InputFile& file, const ArchivedFile& part) {
+std::optional<std::string> sha512_of(InputFile& file, const ArchivedFile& part,
+                                     const std::atomic<bool>* stop) {
     crypto_hash_sha512_state state{};
     crypto_hash_sha512_init(&state);
     file.seek(part.begin);
     std::vector<std::byte> bytes(std::size_t{1} << 20);
     for (std::uint64_t left = part.size; left > 0; left -= bytes.size()) {
+        if (stop != nullptr && *stop) {
+            return std::nullopt;
+        }
         bytes.resize(std::min<std::uint64_t>(left, bytes.size()));
         file.read(bytes, "the samples");
         crypto_hash_sha512_update(&state, reinterpret_cast<const unsigned char*>(bytes.data()), bytes.size());

@@ -1,10 +1,12 @@
 #pragma once
 // The two files of a SigMF recording while they are written, some of a run's columns in them.
 
+#include <atomic>
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -46,8 +48,9 @@ private:
     std::size_t before_last_ = 0;
 };
 
-/// Returns the SHA-512 of a part of a file in hexadecimal digits. Leaves the file at its end.
-std::string sha512_of(InputFile& file, const ArchivedFile& part);
+/// Returns the SHA-512 of a part of a file in hexadecimal digits; nothing once `stop` is true (null: never). Leaves the file at its end.
+std::optional<std::string> sha512_of(InputFile& file, const ArchivedFile& part,
+                                     const std::atomic<bool>* stop);
 
 /// The part of the metadata that changes while samples are written.
 struct SigmfProgress {

@@ -1,6 +1,7 @@
 #include "recordings/formats/sigmf/sigmf.hpp"
 
 #include <array>
+#include <atomic>
 #include <csignal>
 #include <numeric>
 #include <thread>
@@ -400,6 +401,16 @@ TEST_F(SigmfOfOthers, ADatasetMayHaveAnotherName) {
 TEST_F(SigmfOfOthers, SamplesWithAnotherHashAreRefused) {
     EXPECT_THAT(error_of([&] { read(rate + R"(, "core:sha512": ")" + std::string(128, '0') + '"', ""); }),
                 HasSubstr("core:sha512: the samples in a.sigmf-data are not those"));
+}
+
+TEST_F(SigmfOfOthers, OnceStoppedNoHashIsComparedAndNoSampleIsRead) {
+    const std::string of_others = rate + R"(, "core:sha512": ")" + std::string(128, '0') + '"';
+    std::atomic<bool> stop = true;
+    ReadOptions options;
+    options.stop = &stop;
+    EXPECT_THAT(read(of_others, "", options), testing::IsEmpty());
+    stop = false;
+    EXPECT_THROW(read(of_others, "", options), std::runtime_error);
 }
 
 TEST_F(Sigmf, AnArchiveThatIsNoneIsRefusedByName) {
