@@ -118,7 +118,7 @@ TEST(Run, WarnsOfADiscThatTheMotionBendsTooFar) {
         const hertzline::Run nearly = run(scene);
         EXPECT_NEAR(nearly.deflection_m, 0.48 * scene.end.thickness_m, 0.01 * scene.end.thickness_m);
         EXPECT_THAT(nearly.warnings, testing::Not(bends));
-        scene.drive.amplitude_m = 20e-6;
+        scene.drive.amplitude_m = 60e-6;
         EXPECT_THAT(run(scene).warnings, bends);
     }
 }
