@@ -1,8 +1,10 @@
 // hertzline optimise: its answer, its file, its journal, and refused requests.
 
+#include <cmath>
 #include <csignal>
 #include <filesystem>
 #include <sstream>
+#include <string>
 #include <thread>
 
 #include <gmock/gmock.h>
@@ -83,6 +85,35 @@ TEST_F(Optimise, TellsTheBestOfItsRows) {
     EXPECT_EQ(search["subject_to"][0], "peak_contact_force_n <= 4");
     EXPECT_EQ(search["best_point"], best["point"]);
     EXPECT_FALSE(fs::exists(folder.file("s.csv.journal")));
+}
+
+TEST_F(Optimise, TheNeighboursOfTheBestHaveTheValuesThatRunGives) {
+    const json summary = optimised("n.csv", {"--json"}).json();
+    const double preload = summary["best"]["chain.preload_n"];
+    const std::int64_t spheres = summary["best"]["chain.spheres"];
+    std::size_t compared = 0;
+    const auto compare = [&](const std::string& name, double preload_there, std::int64_t spheres_there) {
+        if (!summary["around"].contains(name)) {
+            return;  // beyond the range
+        }
+        const json of_run =
+            hertzline(with(with({"run"}, quick_points),
+                           {"--json", "--set", "chain.preload_n=" + json(preload_there).dump(), "--set",
+                            "chain.spheres=" + std::to_string(spheres_there)}))
+                .json();
+        const double value = of_run["peak_v_out_m_per_s"];
+        EXPECT_NEAR(summary["around"][name].get<double>(), value, 1e-6 * value) << name;
+        ++compared;
+    };
+    for (const int percent : {-5, -1, 1, 5}) {
+        compare("chain.preload_n." + std::string(percent < 0 ? "minus_" : "plus_") +
+                    std::to_string(std::abs(percent)) + "_percent",
+                preload * (1 + percent / 100.0), spheres);
+    }
+    compare("chain.spheres.minus_1", preload, spheres - 1);
+    compare("chain.spheres.plus_1", preload, spheres + 1);
+    EXPECT_GE(compared, 3U);
+    EXPECT_EQ(summary["around"].size(), compared + 1);  // and the worst of them
 }
 
 TEST_F(Optimise, GivesTheSameBytesWhateverTheJobs) {
