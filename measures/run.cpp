@@ -132,19 +132,28 @@ void keep(Run& run, const Samples& block, const EndModel& end) {
     }
 }
 
-/// How far the plates of a simulation bend: at rest, and the integral of their centres' velocities from there on.
+/// How far the plates of a simulation bend: at rest, and the integral of their centres' velocities from there on. Samples that are too
+/// far apart for it, less than twenty in a period of the drive or of the plate, are left out: what they alias would add up.
 class Deflection {
 public:
     explicit Deflection(const Simulation& simulation) {
+        constexpr double fewest = 20;
+        const Scene& scene = simulation.scene();
+        double highest_hz = scene.drive.kind == DriveKind::none
+                                ? 0
+                                : std::max(scene.drive.frequency_hz, scene.drive.sweep_to_hz.value_or(0));
         for (std::size_t element = 0; element < simulation.elements(); ++element) {
             now_m_.push_back(sag_at_rest(simulation.chain(element)));
+            highest_hz = std::max(highest_hz, plate_hz(simulation.chain(element)));
         }
+        shows_it_ = scene.output.sample_rate_hz >= fewest * highest_hz;
     }
 
     /// Returns the largest of any plate in these samples [m]; 0 without a plate.
     double largest_in(const Samples& block, double sample_rate_hz) {
         double largest = 0;
-        for (const Tap tap : plate_centre& block.taps()) {
+        const TapSet shown = shows_it_ ? (plate_centre & block.taps()) : TapSet();
+        for (const Tap tap : shown) {
             const std::span<const double> velocities = block[tap];
             for (std::size_t i = 0; i < velocities.size(); ++i) {
                 double& now = now_m_[i % now_m_.size()];
@@ -157,6 +166,7 @@ public:
 
 private:
     std::vector<double> now_m_;
+    bool shows_it_ = false;
 };
 
 SimulationOptions simulation_options(const RunOptions& options, TapSet taps) {

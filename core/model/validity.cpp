@@ -103,10 +103,10 @@ void add_units(const Scene& s, std::vector<std::string>& warnings) {
     add_units_of_materials(s, warnings);
 }
 
-/// Static displacement of the plate's centre per newton [m/N].
+/// Static displacement of the plate's centre per newton [m/N]; 0 of a disc without stiffness, which does not rest.
 double compliance(const EndModel& end) {
     if (!end.plate) {
-        return 1 / end.body.spring;
+        return end.body.spring > 0 ? 1 / end.body.spring : 0;
     }
     double sum = 0;
     for (const PlateMode& mode : end.plate->modes) {
@@ -377,7 +377,13 @@ std::vector<std::string> validity_warnings(const Scene& scene, const Chain& chai
 }
 
 double sag_at_rest(const Chain& chain) noexcept {
-    return chain.end_force_n * compliance(chain.end);
+    return chain.end.loaded == EndLoad::end ? chain.end_force_n * compliance(chain.end) : 0;
+}
+
+double plate_hz(const Chain& chain) noexcept {
+    const EndMode& body = chain.end.body;
+    return chain.end.plate ? chain.end.plate->modes.front().dry_hz
+                           : std::sqrt(body.spring * body.inv_mass) / (2 * std::numbers::pi);
 }
 
 std::optional<std::string> bending_warning(const Scene& scene, double deflection_m) {

@@ -40,8 +40,11 @@ std::optional<std::string> late_wave_warning(const Scene& scene);
 /// or before a tone's burst has arrived there.
 std::vector<std::string> late_sound_warnings(const Scene& scene);
 
-/// Displacement of a plate's centre by the force at rest [m].
+/// Displacement of a plate's centre by the force at rest [m]; 0 of one on which that force is not balanced.
 double sag_at_rest(const Chain& chain) noexcept;
+
+/// Natural frequency of a plate, the lowest one, without fluid [Hz].
+double plate_hz(const Chain& chain) noexcept;
 
 /// Warns of a motion that bends a disc by more than half its thickness. @param deflection_m the largest displacement of its centre [m]
 std::optional<std::string> bending_warning(const Scene& scene, double deflection_m);
