@@ -109,6 +109,38 @@ static std::string without_numbers(std::string text) {
     return text;
 }
 
+/// The validity of each chain of an array. Where elements differ in numbers alone, one sentence says which they are.
+static Warnings warnings_of_elements(const Scene& scene, const Chain& first_chain) {
+    struct Told {
+        std::string text;
+        std::size_t element = 0;  ///< the first one
+        std::size_t others = 0;   ///< with other numbers
+    };
+    std::vector<Told> all;
+    for (std::size_t element = 0; element < chains_of(scene); ++element) {
+        const Scene one = element_scene(scene, element);
+        for (std::string& text : validity_warnings(one, element == 0 ? first_chain : Chain(one))) {
+            const auto same = std::ranges::find_if(all, [words = without_numbers(text)](const Told& told) {
+                return without_numbers(told.text) == words;
+            });
+            if (same == all.end()) {
+                all.push_back({std::move(text), element});
+            } else if (same->text != text) {
+                ++same->others;
+            }
+        }
+    }
+    Warnings warnings;
+    for (const Told& told : all) {
+        warnings.push_back(
+            told.others == 0
+                ? told.text
+                : fmt::format("element {}: {} (and {} with other numbers)", told.element + 1, told.text,
+                              told.others == 1 ? "another" : fmt::format("{} others", told.others)));
+    }
+    return warnings;
+}
+
 Warnings scene_warnings(const Resolution& resolved, const Chain& chain) {
     Warnings warnings;
     if (auto missed = missed_accuracy(resolved)) {
@@ -119,17 +151,7 @@ Warnings scene_warnings(const Resolution& resolved, const Chain& chain) {
         append(warnings, validity_warnings(resolved.scene, chain));
         return warnings;
     }
-    for (std::size_t element = 0; element < chains_of(resolved.scene); ++element) {
-        const Scene one = element_scene(resolved.scene, element);
-        for (std::string& text : validity_warnings(one, element == 0 ? chain : Chain(one))) {
-            const auto says_the_same = [&](const std::string& other) {
-                return without_numbers(other) == without_numbers(text);
-            };
-            if (std::ranges::none_of(warnings, says_the_same)) {
-                warnings.push_back(std::move(text));
-            }
-        }
-    }
+    append(warnings, warnings_of_elements(resolved.scene, chain));
     append(warnings, array_warnings(resolved.scene));
     return warnings;
 }

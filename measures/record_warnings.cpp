@@ -8,6 +8,7 @@
 #include <fmt/ranges.h>
 
 #include "core/model/drive.hpp"
+#include "core/model/end.hpp"
 #include "core/scene/elements.hpp"
 
 namespace hertzline::measures {
@@ -40,7 +41,7 @@ double velocity_given(const Scene& scene) noexcept {
 
 std::optional<std::string> ringing(const Scene& scene, std::span<const double> v_out,
                                    std::optional<double> rung_down_s) {
-    if (!shows_ringing(scene, v_out.size())) {
+    if (scene.drive.kind != DriveKind::none && !shows_ringing(scene, v_out.size())) {
         return fmt::format(
             "the run ends before its ringing shows, less than two periods of the drive after the burst; a "
             "longer one, such as {}, would tell how complete its spectrum is",
@@ -70,6 +71,19 @@ std::optional<std::string> cut_off(const Scene& scene) {
         nyquist, rounded_up(4 * highest));
 }
 
+/// Peaks between the samples of a motion that no horn drives.
+std::optional<std::string> peaks_missed(const Scene& scene) {
+    constexpr double fewest = 10;  // samples in a period: a peak between two is 5 % higher at most
+    const double fastest_hz = fastest_contact_hz(scene);
+    if (scene.output.sample_rate_hz >= fewest * fastest_hz) {
+        return std::nullopt;
+    }
+    return fmt::format(
+        "the contacts of this motion may have {:.2g} Hz, and with less than ten samples in a period of that "
+        "peaks are missed; output.sample_rate_hz={:.2g} would show them",
+        fastest_hz, rounded_up(fewest * fastest_hz));
+}
+
 /// @returns whether a horn's first burst is not over at the end of the run
 bool ends_within_burst(const Scene& scene) {
     return scene.drive.kind != DriveKind::none && scene.output.duration_s < first_burst_end_s(scene);
@@ -89,7 +103,7 @@ std::vector<std::string> run_warnings(const Scene& scene) {
                         "its beginning; {} would hold the burst",
                         scene.output.duration_s, burst_end_s, duration_setting(1.5 * burst_end_s)));
     }
-    if (const auto found = cut_off(scene); scene.drive.kind != DriveKind::none && found) {
+    if (const auto found = scene.drive.kind == DriveKind::none ? peaks_missed(scene) : cut_off(scene)) {
         warnings.push_back(*found);
     }
     return warnings;
@@ -151,7 +165,7 @@ std::vector<std::string> record_warnings(const Scene& scene, std::span<const dou
         found =
             "v_out is silent: the wave does not reach the end of the chain within the run "
             "(output.duration_s), or does not pass the chain";
-    } else if (scene.drive.kind != DriveKind::none && scene.drive.repetition_hz == 0) {
+    } else if (scene.drive.repetition_hz == 0) {
         found = ringing(scene, v_out, rung_down_s);
     }
     if (found) {

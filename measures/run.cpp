@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "core/model/chain.hpp"
+#include "core/model/drive.hpp"
 #include "core/model/energy.hpp"
 #include "core/model/strength.hpp"
 #include "core/model/validity.hpp"
@@ -139,9 +140,7 @@ public:
     explicit Deflection(const Simulation& simulation) {
         constexpr double fewest = 20;
         const Scene& scene = simulation.scene();
-        double highest_hz = scene.drive.kind == DriveKind::none
-                                ? 0
-                                : std::max(scene.drive.frequency_hz, scene.drive.sweep_to_hz.value_or(0));
+        double highest_hz = scene.drive.kind == DriveKind::none ? 0 : highest_frequency_hz(scene.drive);
         for (std::size_t element = 0; element < simulation.elements(); ++element) {
             now_m_.push_back(sag_at_rest(simulation.chain(element)));
             highest_hz = std::max(highest_hz, plate_hz(simulation.chain(element)));

@@ -1,6 +1,7 @@
 #include "recordings/drive_record.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <filesystem>
 #include <memory>
@@ -53,6 +54,18 @@ tl::expected<std::size_t, Fault> chosen_column(const std::vector<Column>& column
     return tl::unexpected(Fault{"drive.column", quoted_briefly(*wanted),
                                 fmt::format("one of {}{}, or a number from 1 to {}{}", comma_separated(names),
                                             more, columns.size(), similar)});
+}
+
+/// The column; where it has no unit, that of something else than a motion in which its name ends, as "ch1_mV".
+Column with_other_unit(Column column) {
+    constexpr std::array<std::string_view, 14> others{"v",  "mv", "uv",  "kv",  "a", "ma", "n",
+                                                      "mn", "pa", "kpa", "mpa", "g", "db", "inch"};
+    const std::size_t end = column.name.rfind('_');
+    if (column.unit.empty() && end != std::string::npos && end > 0 &&
+        std::ranges::find(others, lower_case(column.name.substr(end + 1))) != others.end()) {
+        column.unit = column.name.substr(end + 1);
+    }
+    return column;
 }
 
 /// Sets quantity and scale as the column's unit tells, where the scene does not. @returns the fault of a unit that is neither
@@ -180,7 +193,7 @@ std::optional<Fault> read(ParsedScene& parsed, const fs::path& path,
                          "samples from " + number_text(allowed.min) + " to " + number_text(allowed.max)};
         }
     }
-    if (auto fault = take_unit(drive, head.columns[*column], warn)) {
+    if (auto fault = take_unit(drive, with_other_unit(head.columns[*column]), warn)) {
         return fault;
     }
     drive.file.reset();

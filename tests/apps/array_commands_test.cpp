@@ -73,6 +73,18 @@ TEST(ArrayCommands, CheckJudgesTheElementsThatThereAre) {
                 HasSubstr("the strength of acrylic is not known"));
 }
 
+TEST(ArrayCommands, OneSentenceSaysWhichElementsDifferInNumbers) {
+    const auto told = [](const std::string& preloads) {
+        return hertzline(
+                   on_an_array({"check", "wet-vitreous-carbon"}, {"--set", "array.preloads_n=" + preloads}))
+            .err;
+    };
+    EXPECT_THAT(told("[0.1,300,400]"),
+                testing::ContainsRegex(
+                    "element 2: the preload bends the disc by .*\\(and another with other numbers\\)"));
+    EXPECT_THAT(told("[300,300,300]"), testing::Not(HasSubstr("element 1: the preload bends")));
+}
+
 TEST(ArrayCommands, OutputsOfEachSphereAreRefused) {
     const TemporaryFolder folder;
     const Outcome run =

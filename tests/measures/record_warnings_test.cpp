@@ -6,6 +6,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "core/model/end.hpp"
 #include "hertzline/run.hpp"
 
 namespace hertzline {
@@ -163,6 +164,21 @@ TEST(RecordWarnings, HarmonicsAboveHalfTheSampleRateAreTold) {
                                            HasSubstr("output.sample_rate_hz=4e+06"))));
     scene.output.sample_rate_hz = 2e6;
     EXPECT_THAT(record_warnings(scene, ringing_record(scene, 50e-6, 500e-6)), IsEmpty());
+}
+
+TEST(RecordWarnings, AMotionWithoutAHornRingsAndNeedsSamplesToo) {
+    Scene scene = short_burst();
+    scene.drive.kind = DriveKind::none;
+    scene.chain.impact_velocity_m_per_s = 0.1;
+    EXPECT_THAT(record_warnings(scene, ringing_record(scene, 200e-6, 500e-6)),
+                ElementsAre(HasSubstr("rings at 14.1 %")));
+    EXPECT_THAT(record_warnings(scene, ringing_record(scene, 50e-6, 500e-6)), IsEmpty());
+    EXPECT_THAT(record_warnings(scene, std::vector<double>(10, 0.1)), IsEmpty());  // too short to tell
+    const double enough = 10 * fastest_contact_hz(scene);
+    scene.output.sample_rate_hz = 1.01 * enough;
+    EXPECT_THAT(run_warnings(scene), IsEmpty());
+    scene.output.sample_rate_hz = 0.99 * enough;
+    EXPECT_THAT(run_warnings(scene), ElementsAre(HasSubstr("peaks are missed")));
 }
 
 TEST(SwitchingWarnings, NameTheHarmonicsThatOweHalfOfThemselvesToJumps) {

@@ -158,6 +158,17 @@ TEST_F(DriveRecord, TakesUnitsFromTheColumnUnlessTheSceneHasAScale) {
     }
 }
 
+TEST_F(DriveRecord, ANameThatEndsInAnotherUnitIsNoMotionInMetres) {
+    for (const std::string name : {"ch1_mV", "p_pa", "force_n", "level_dB"}) {
+        test::write_text(folder_.file("other.csv"), "time_s," + name + rows());
+        EXPECT_THAT(fault("other.csv"), HasSubstr("drive.scale: found nothing, with " + name + " in "))
+            << name;
+        EXPECT_EQ(drive("other.csv", "scale = 1e-9").scale, 1e-9) << name;
+    }
+    test::write_text(folder_.file("other.csv"), "time_s,tip_7" + rows());
+    EXPECT_EQ(drive("other.csv").scale, 1);
+}
+
 TEST_F(DriveRecord, TheStrongestLineIsTakenUnlessItIsGivenWithTheRecord) {
     std::string samples;
     for (std::size_t i = 0; i < count; ++i) {
