@@ -92,6 +92,24 @@ std::string local_endpoint(std::string endpoint) {
     return endpoint;
 }
 
+namespace {
+
+/// Whether the text is a number of bytes with a unit of CLI11 or none.
+bool is_size(std::string_view text) {
+    const std::size_t end = std::min(text.find_first_not_of("0123456789"), text.size());
+    std::string unit = lower_case(trimmed(text.substr(end), " "));
+    if (unit.ends_with('b')) {
+        unit.pop_back();
+    }
+    if (unit.size() == 2 && unit.ends_with('i')) {
+        unit.pop_back();
+    }
+    return end > 0 && (unit.empty() ||
+                       (unit.size() == 1 && std::string_view("kmgtpe").find(unit) != std::string_view::npos));
+}
+
+}  // namespace
+
 void add_publish_options(CLI::App& app, PublishRequest& request) {
     app.add_option("--bind", request.endpoint, "where to publish: tcp://HOST:PORT or ipc://PATH")
         ->type_name("ENDPOINT")
@@ -113,6 +131,12 @@ void add_publish_options(CLI::App& app, PublishRequest& request) {
             CLI::CheckedTransformer(std::map<std::string, stream::OnOverrun>{
                                         {"drop", stream::OnOverrun::drop}, {"wait", stream::OnOverrun::wait}})
                 .description(""))
+        ->transform(CLI::Validator(  // runs before the other, whose message is another
+            [](std::string& text) {
+                return text == "drop" || text == "wait" ? std::string()
+                                                        : "found " + text + ", allowed: drop, wait";
+            },
+            ""))
         ->type_name("drop|wait");
     app.add_option("--queue-memory", request.queue_bytes,
                    "memory for the queues of all slow subscribers together, such as 200MiB (default: an "
@@ -120,7 +144,8 @@ void add_publish_options(CLI::App& app, PublishRequest& request) {
         ->transform(CLI::AsSizeValue(/*kb_is_1000=*/false).description(""))
         ->transform(CLI::Validator(  // runs before the other, which wraps such numbers
             [](std::string& text) {
-                return text.starts_with('-') ? "found " + text + ", allowed: more than 0" : std::string();
+                return is_size(text) ? std::string()
+                                     : "found " + text + ", allowed: more than 0, as 200MiB or 1GiB";
             },
             ""))
         ->type_name("BYTES");

@@ -101,7 +101,7 @@ void ScopeRecorder::take(stream::RunReceiver& run, const stream::ReceivedFrame& 
     if (run.tap() != tap_) {
         return;
     }
-    if (set_ && (run.run() != run_ || samples_ >= most_samples)) {
+    if (set_ && (run.run() != run_ || samples_ >= most_samples || !set_->any_left())) {
         end();
         return;
     }

@@ -18,7 +18,7 @@ namespace hertzline::scope {
 /// For one thread.
 class ScopeRecorder {
 public:
-    /// A recording ends by itself when it has so many samples: 100 s at 10 MHz.
+    /// A recording ends by itself when it has so many samples, 100 s at 10 MHz, and when it cannot be written.
     static constexpr std::int64_t most_samples = 1'000'000'000;
 
     /// @param folder where recordings go; unset: none may be made

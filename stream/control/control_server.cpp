@@ -147,7 +147,7 @@ bool ControlServer::receive_one() {
     }
     Json request;
     try {
-        request = json_from_outside(parts[count - 1].to_string_view());
+        request = json_from_outside(parts[count - 1].to_string_view(), "the request");
     } catch (const std::runtime_error& error) {
         reply(not_understood(error.what()));
         return true;

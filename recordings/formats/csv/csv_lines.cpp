@@ -29,9 +29,10 @@ CsvLines::CsvLines(const std::filesystem::path& path, const std::atomic<bool>* s
       stop_(stop),
       descriptor_(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NOCTTY | O_NONBLOCK)) {
     struct stat status {};
-    if (descriptor_ < 0 || ::fstat(descriptor_, &status) != 0 || S_ISDIR(status.st_mode)) {
+    const int error = descriptor_ < 0 || ::fstat(descriptor_, &status) != 0 ? errno : 0;
+    if (error != 0 || S_ISDIR(status.st_mode)) {
         close();
-        cannot_read(path, "not a file");
+        cannot_read(path, error != 0 ? std::generic_category().message(error) : "not a file");
     }
     is_pipe_ = !S_ISREG(status.st_mode);
 }

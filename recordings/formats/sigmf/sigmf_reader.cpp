@@ -96,7 +96,12 @@ public:
         std::string dataset;
         naming_the_path([&] {
             meta = json_from_outside(source.meta);
-            take_global(meta.at("global"), options);
+            for (const char* part : {"global", "captures"}) {
+                if (!meta.is_object() || !meta.contains(part)) {
+                    refuse(fmt::format("{}: found nothing, allowed: that of a SigMF recording", part));
+                }
+            }
+            take_global(meta["global"], options);
             dataset = dataset_of(meta["global"]);
         });
         auto opened = source.open(dataset);
@@ -105,7 +110,7 @@ public:
         begin_ = window.begin;
         naming_the_path([&] {
             require_same_data(meta["global"], window);
-            take_captures(meta.at("captures"), meta["global"], window.size, options);
+            take_captures(meta["captures"], meta["global"], window.size, options);
         });
     }
 
@@ -212,7 +217,7 @@ private:
             refuse("core:metadata_only: the recording has no samples");
         }
         std::string name = text_at(global, "core:dataset");
-        if (name.find('/') != std::string::npos || printable(name) != name) {
+        if (!name.empty() && !names_a_neighbour(name)) {
             refuse(fmt::format("core:dataset: found {}, allowed: the name of a file in the same folder",
                                quoted_briefly(name)));
         }
@@ -399,8 +404,7 @@ NamedRecording named_recording(const Json& stream) {
         return found.is_string() ? found.get<std::string>() : "";
     };
     NamedRecording named{text("name", 0), text("hash", 1)};
-    if (named.name.empty() || named.name.find('/') != std::string::npos ||
-        printable(named.name) != named.name) {
+    if (!names_a_neighbour(named.name)) {
         throw std::runtime_error(
             fmt::format("core:streams: found {}, allowed: the name of a recording in the same folder",
                         quoted_briefly(named.name)));

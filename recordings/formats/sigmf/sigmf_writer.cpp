@@ -165,10 +165,10 @@ private:
     void begin_collection() {
         const OutputFile writable(path(), StagedFile::Devices::refused);  // fails now or not at all
         const std::string name = path().stem().string();
-        try {
-            static_cast<void>(Json(name).dump());
-        } catch (const Json::exception&) {
-            cannot_write(path(), "its name is not UTF-8, as the names in a SigMF collection have to be");
+        if (!names_a_neighbour(name)) {
+            cannot_write(path(),
+                         "its name is not UTF-8 without control characters, as the names in a SigMF "
+                         "collection have to be");
         }
         collection_ = path();
         for (std::size_t i = 0; i < head().columns.size(); ++i) {

@@ -242,6 +242,22 @@ TEST_F(SigmfCollection, NothingOutsideItsFolderIsOpened) {
     }
 }
 
+TEST_F(SigmfCollection, ItsNameMayHaveOtherLettersButNoControlCharacters) {
+    for (const std::string name : {"gr\u00f6\u00dfe", "a\\b", "\u6ce2"}) {
+        const fs::path path = folder.file(name + ".sigmf-collection");
+        const auto writer = open_sigmf_collection_writer(path, head);
+        writer->write(0, std::vector<double>(head.columns.size(), 1.0));
+        writer->commit();
+        EXPECT_EQ(open_sigmf_collection_reader(path)->head().columns.size(), head.columns.size()) << name;
+    }
+    for (const std::string name : {"tab\tb", "line\nb", "\xff", "c\xc2\x9b"}) {
+        EXPECT_THAT(
+            error_of([&] { open_sigmf_collection_writer(folder.file(name + ".sigmf-collection"), head); }),
+            HasSubstr("control characters"))
+            << name;
+    }
+}
+
 TEST_F(SigmfCollection, WhatIsNoneIsRefusedByName) {
     const std::vector<std::string> wrong{"",
                                          "[]",

@@ -403,6 +403,15 @@ TEST_F(SigmfOfOthers, SamplesWithAnotherHashAreRefused) {
                 HasSubstr("core:sha512: the samples in a.sigmf-data are not those"));
 }
 
+TEST_F(SigmfOfOthers, MetadataWithoutAPartAreRefused) {
+    write_text(data_file, std::string(8, '\0'));
+    for (const char* text : {"{}", "[]", R"({"captures": []})"}) {
+        write_text(meta_file, text);
+        EXPECT_THAT(error_of([&] { open_sigmf_reader(meta_file); }), HasSubstr("global: found nothing"))
+            << text;
+    }
+}
+
 TEST_F(SigmfOfOthers, OnceStoppedNoHashIsComparedAndNoSampleIsRead) {
     const std::string of_others = rate + R"(, "core:sha512": ")" + std::string(128, '0') + '"';
     std::atomic<bool> stop = true;
