@@ -4,6 +4,7 @@ import contextlib
 import http.client
 import json
 import pathlib
+import resource
 import signal
 import socket
 import struct
@@ -497,6 +498,16 @@ def the_scene_and_what_is_heard_are_saved(stand):
         page.say({"record": {"stream": "v_last", "ending": "../../x"}})
         page.text(lambda m: any("record" in r.get("error", "") for r in m.get("replies", [])))
     assert np.array_equal(data, stand.samples(first + len(data), "v_last")[first:])
+
+
+def a_recording_that_cannot_be_written_is_over(stand):
+    with stand.stream(), PageSocket((scope := stand.scope()).url) as page, scope:
+        largest = 200_000  # bytes of a file
+        resource.prlimit(scope.process.pid, resource.RLIMIT_FSIZE, (largest, largest))
+        page.say({"record": {"stream": "v_last", "ending": "csv"}})
+        page.text(lambda m: "recording" in m and m["recording"]["on"])
+        state = page.text(lambda m: "recording" in m and not m["recording"]["on"])["recording"]
+    assert "File too large" in state["text"] and 0 < state["samples"] < largest, state
 
 
 def knobs_ask_the_stream(stand):
