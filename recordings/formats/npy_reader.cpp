@@ -212,7 +212,16 @@ private:
     /// Reads the second array, which must describe the first.
     void take_description(const NpyHeader& array) {
         file_.seek(data_ + static_cast<std::uint64_t>(rows_) * row_bytes_);
-        const NpyHeader text = read_npy_header(file_);
+        const NpyHeader text = [this] {
+            try {
+                return read_npy_header(file_);
+            } catch (const std::runtime_error&) {
+                if (rows_ == 0) {
+                    cannot_read(file_.path(), "cut off while it was written: its header counts no rows");
+                }
+                throw;
+            }
+        }();
         const std::uint64_t size = file_.left();
         if (size > max_description_bytes ||
             text != NpyHeader{{{"", "|S" + std::to_string(size)}}, {}, false}) {

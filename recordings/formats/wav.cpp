@@ -409,6 +409,9 @@ public:
 
 private:
     void take(const std::string& description, NumberType numbers) {
+        if (description.find_first_not_of(std::string("\0 ", 2)) == std::string::npos) {
+            throw std::runtime_error("cut off while it was written: it has no description yet");
+        }
         head_ = head_of(json_from_outside(description), numbers);
         const auto rate = static_cast<double>(wav_.sample_rate_hz);
         if (head_.columns.size() != wav_.channels || head_.sample_rate_hz != rate) {
