@@ -409,8 +409,8 @@ public:
 
 private:
     void take(const std::string& description, NumberType numbers) {
-        if (description.find_first_not_of(std::string("\0 ", 2)) == std::string::npos) {
-            throw std::runtime_error("cut off while it was written: it has no description yet");
+        if (wav_.comment.empty()) {
+            throw std::runtime_error("cut off while it was written: the comment at its end is not there");
         }
         head_ = head_of(json_from_outside(description), numbers);
         const auto rate = static_cast<double>(wav_.sample_rate_hz);

@@ -133,7 +133,11 @@ TEST_P(StagedFormat, KilledWriterLeavesOnlyTheTemporary) {
     int status = 0;
     ::waitpid(child, &status, 0);
     ASSERT_TRUE(WIFSIGNALED(status) && WTERMSIG(status) == SIGKILL);
-    EXPECT_THAT(listing(), testing::ElementsAre(HasSubstr(".partial-")));
+    ASSERT_THAT(listing(), testing::ElementsAre(HasSubstr(".partial-")));
+    if (const std::string ending = GetParam().ending; ending == "npy" || ending == "wav") {
+        fs::rename(folder.file(listing().front()), file);
+        EXPECT_THAT(error_of([&] { open_reader(file); }), HasSubstr("cut off while it was written"));
+    }
 }
 
 TEST_P(RecordingFormat, UnwritablePlaceIsToldAtOnce) {
