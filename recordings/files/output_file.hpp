@@ -47,6 +47,8 @@ public:
     /// Gives the file its name now, while it keeps growing, and replaces an older one. Flushed bytes then survive the sudden end
     /// of the program.
     void appear() { file_.appear(); }
+    /// See StagedFile.
+    void require_replaceable() const { file_.require_replaceable(); }
 
     /// Fails when the file is gone: removed, or replaced by another of its name. Its bytes would go nowhere.
     void require_present();

@@ -11,6 +11,7 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
+#include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -138,6 +139,7 @@ StagedFile::StagedFile(fs::path path, Devices devices) : path_(std::move(path)) 
     }
     const bool device = own_descriptor(target_) >= 0 || (exists && !S_ISREG(existing.st_mode));
     if (!device) {
+        require_replaceable();
         open_temporary();
     } else if (devices == Devices::allowed) {
         open_straight();
@@ -185,8 +187,22 @@ void StagedFile::open_temporary() {
     }
 }
 
+void StagedFile::require_replaceable() const {
+    const int descriptor = ::open(target_.c_str(), O_RDONLY | O_CLOEXEC | O_NOCTTY);
+    const bool locked =
+        descriptor >= 0 && ::flock(descriptor, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK;
+    if (descriptor >= 0) {
+        ::close(descriptor);
+    }
+    if (locked) {
+        cannot_write(path_, "it is being written, by this or another program");
+    }
+}
+
 void StagedFile::appear() {
     require_open();
+    require_replaceable();
+    static_cast<void>(::flock(descriptor_, LOCK_EX | LOCK_NB));  // not every file system has locks
     if (!temporary_.empty() && ::rename(temporary_.c_str(), target_.c_str()) != 0) {
         fail(errno);
     }

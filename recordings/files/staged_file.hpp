@@ -49,8 +49,11 @@ public:
     void commit();
 
     /// Gives the file its name now, while it keeps growing, and replaces an older one. From here on its bytes stay
-    /// under that name, unless it is abandoned.
+    /// under that name, unless it is abandoned, and no other StagedFile replaces it while it is open.
     void appear();
+
+    /// @throws std::runtime_error where the file of that name is one that still grows, of this or another program
+    void require_replaceable() const;
 
     /// Closes it and keeps it under the temporary's name, after appear() under its own.
     void keep() noexcept;

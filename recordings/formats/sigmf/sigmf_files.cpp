@@ -129,6 +129,7 @@ SigmfFiles::SigmfFiles(const SigmfPaths& paths, const RecordingHead& head, std::
 }
 
 void SigmfFiles::appear(const SigmfProgress& progress) {
+    data_.require_replaceable();
     fs::remove(meta_path_);
     if (data_.is_closed()) {
         data_.commit();

@@ -251,6 +251,20 @@ TEST_F(Sigmf, WhatCannotBeWrittenIsRefusedBeforeAnythingIsReplaced) {
                 HasSubstr("No such file"));
 }
 
+TEST_F(Sigmf, ARecordingThatStillGrowsIsNotReplaced) {
+    const RecordingHead head = recording_head(two, 1000);
+    const auto growing = open_sigmf_writer(meta_file, head);
+    const auto as_early = open_sigmf_writer(meta_file, head);
+    growing->write(0, numbered_rows(0, 300));
+    const auto being_written = HasSubstr("it is being written, by this or another program");
+    EXPECT_THAT(error_of([&] { open_sigmf_writer(meta_file, head); }), being_written);
+    EXPECT_THAT(error_of([&] { as_early->write(0, numbered_rows(0, 10)); }), being_written);
+    growing->commit();
+    EXPECT_EQ(read_rows(*open_sigmf_reader(meta_file)).at(0).values.size(), 600U);
+    open_sigmf_writer(meta_file, head)->commit();
+    EXPECT_THAT(read_rows(*open_sigmf_reader(meta_file)), IsEmpty());
+}
+
 TEST_F(Sigmf, AfterAFailureWhatWasWrittenStays) {
     auto writer = open_sigmf_writer(meta_file, recording_head(two, 1000));
     writer->write(0, numbered_rows(0, 300));
