@@ -163,6 +163,10 @@ CheckedArguments checked(const StreamOptions& arguments) {
     result.curve = checked_curve(arguments.publish, faults);
     check_scope(arguments.scope, arguments.publish.curve, faults);
     result.control_curve = checked_control(arguments.control, arguments.publish.curve, faults);
+    if (const std::string& control = arguments.control.endpoint;
+        control == arguments.publish.endpoint && !control.ends_with(":0") && !control.ends_with(":*")) {
+        faults.add("--control: found the endpoint of --bind, allowed: another");
+    }
     if (arguments.recordings.empty() && !arguments.columns.empty()) {
         faults.add("--columns needs --record FILE to save to");
     }
