@@ -97,9 +97,9 @@ void RunReceiver::note_arrival(Arrival arrival, const std::string& text) {
 }
 
 void RunReceiver::note_refusal(const Refusal& refusal) {
-    if (refusal.reason != refusal_) {  // ZeroMQ tries several times a second
+    refusal_ = refusal.reason;
+    if (told_refusals_.insert(refusal.reason).second) {  // ZeroMQ tries several times a second
         notify_(refusal.reason);
-        refusal_ = refusal.reason;
     }
     if (refusal.final) {
         end(EndReason::refused);

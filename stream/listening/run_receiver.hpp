@@ -6,6 +6,7 @@
 #include <functional>
 #include <map>
 #include <optional>
+#include <set>
 #include <span>
 #include <string>
 #include <utility>
@@ -127,7 +128,8 @@ private:
 
     std::uint64_t missing_at_end_ = 0;
     std::uint64_t malformed_ = 0;
-    std::string refusal_;  // the last one that was reported
+    std::string refusal_;  // the last one
+    std::set<std::string> told_refusals_;
     ReceivedFrame frame_;
 };
 

@@ -9,6 +9,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "stream/listening/run_receiver.hpp"
 #include "stream/wire/frame_codec.hpp"
 #include "tests/support/sockets.hpp"
 #include "tests/support/temporary_folder.hpp"
@@ -105,6 +106,20 @@ TEST_F(ListenerTest, EndsAfterASilenceOrWhenItIsClosed) {
     closed.close();
     EXPECT_EQ(closed.receive(patience), nullptr);
     EXPECT_EQ(closed.run().end_reason(), EndReason::stopped);
+}
+
+TEST(RunReceiver, TellsOfEachReasonOnceHoweverTheyAlternate) {
+    std::vector<std::string> told;
+    RunReceiver run(Tap::v_out, [&told](const std::string& text) { told.push_back(text); });
+    for (int time = 0; time < 3; ++time) {
+        run.note_refusal({"it has too many clients", false});
+        run.note_refusal({"it closed the connection", false});
+    }
+    EXPECT_THAT(told, testing::ElementsAre("it has too many clients", "it closed the connection"));
+    EXPECT_EQ(run.refusal(), "it closed the connection");
+    EXPECT_EQ(run.end_reason(), EndReason{});
+    run.note_refusal({"it refused our key", true});
+    EXPECT_EQ(run.end_reason(), EndReason::refused);
 }
 
 }  // namespace
