@@ -308,8 +308,10 @@ void visit_scene(AnyScene& scene, const Visit& visit) {
         row(integrator, {"integrator", {}, "the method", {.unset = chosen}});
         row(step_s,
             {"step_s", {1e-15, 1, "s"}, "the step, or the longest piece of a series", {.unset = chosen}});
-        row(accuracy,
-            {"accuracy", {1e-15, 0.1}, "wanted relative error of the last sphere and of the end, in their velocities", {.unset = chosen}});
+        row(accuracy, {"accuracy",
+                       {1e-15, 0.1},
+                       "wanted relative error of the last sphere and of the end, in their velocities",
+                       {.unset = chosen}});
         row(rest_tolerance, {"rest_tolerance", {0, 0.01}, "when a chain may sleep between bursts; 0: never"});
         row(poles, {"poles",
                     {16, 64},
