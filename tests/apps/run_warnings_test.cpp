@@ -68,7 +68,8 @@ TEST(Run, AndStreamReadTheRecordOfTheDriveOnce) {
     write_text(folder.file("changes.json"), R"([{"sample": 50, "set": {"chain.preload_n": 0.2}}])");
     const std::string told = folder.file("device.toml") + ": drive.file: x_um is in um; drive.scale";
     for (const Words& words : {Words{"check"}, Words{"run", "--changes", folder.file("changes.json")},
-                               Words{"stream", "--control", "tcp://127.0.0.1:*", "--duration", "1e-4"}}) {
+                               Words{"stream", "--bind", "tcp://127.0.0.1:*", "--control",
+                                     "tcp://127.0.0.1:*", "--duration", "1e-4"}}) {
         const Outcome outcome = hertzline(with(words, {folder.file("device.toml")}));
         ASSERT_EQ(outcome.status, 0) << outcome.err;
         const std::size_t first = outcome.err.find(told);

@@ -216,8 +216,11 @@ TEST_F(Sigmf, WithoutCommitWhatWasFlushedStays) {
 TEST_F(Sigmf, MetadataOfAnotherRecordingAreLeftAlone) {
     const auto first = open_sigmf_writer(meta_file, recording_head(two, 1000));
     first->write(0, numbered_rows(0, 1000));
-    const auto second = open_sigmf_writer(meta_file, recording_head(two, 2000));
+    const std::string other = folder.file("b.sigmf-");
+    const auto second = open_sigmf_writer(other + "meta", recording_head(two, 2000));
     second->write(0, numbered_rows(0, 2000));
+    fs::rename(other + "meta", meta_file);
+    fs::rename(other + "data", data_file);
     EXPECT_THAT(error_of([&] { first->write(5000, numbered_rows(5000, 1000)); }), HasSubstr("No such file"));
     EXPECT_EQ(first->kept().rows, 0);
     EXPECT_EQ(meta()["global"]["core:sample_rate"], 2000);
