@@ -111,7 +111,8 @@ bool share_files(const fs::path& one, const fs::path& other) {
                file.stem().string().starts_with(collection.stem().string() + '-') &&
                is_same(folder(file), folder(collection));
     };
-    return is_same(a, b) || is_same(one, other) || is_member(a, b) || is_member(b, a);
+    const bool named_otherwise = a != one || b != other;
+    return is_same(a, b) || (named_otherwise && is_same(one, other)) || is_member(a, b) || is_member(b, a);
 }
 
 std::optional<std::string> repeated_fault(const std::string& file, std::span<const std::string> before) {
