@@ -332,7 +332,7 @@ private:
 
     bool meta_is_due() const {
         const std::chrono::duration<double> since = steady_clock::now() - saved_meta_;
-        const double bytes = static_cast<double>(progress_.size() * recordings_.size());
+        const auto bytes = static_cast<double>(progress_.size() * recordings_.size());
         return since.count() >= bytes / meta_bytes_per_s;
     }
 
