@@ -133,8 +133,8 @@ void keep(Run& run, const Samples& block, const EndModel& end) {
     }
 }
 
-/// How far the plates of a simulation bend: at rest, and the integral of their centres' velocities from there on. Samples that are too
-/// far apart for it, less than twenty in a period of the drive or of the plate, are left out: what they alias would add up.
+/// How far the plates of a simulation bend: at rest, and the integral of their centres' velocities from there on. Nothing is integrated
+/// with fewer than twenty samples in a period of the drive or of a plate: aliases would add up.
 class Deflection {
 public:
     explicit Deflection(const Simulation& simulation) {
@@ -145,18 +145,19 @@ public:
             now_m_.push_back(sag_at_rest(simulation.chain(element)));
             highest_hz = std::max(highest_hz, plate_hz(simulation.chain(element)));
         }
-        shows_it_ = scene.output.sample_rate_hz >= fewest * highest_hz;
+        rate_hz_ = scene.output.sample_rate_hz;
+        shows_it_ = rate_hz_ >= fewest * highest_hz;
     }
 
     /// Returns the largest of any plate in these samples [m]; 0 without a plate.
-    double largest_in(const Samples& block, double sample_rate_hz) {
+    double largest_in(const Samples& block) {
         double largest = 0;
         const TapSet shown = shows_it_ ? (plate_centre & block.taps()) : TapSet();
         for (const Tap tap : shown) {
             const std::span<const double> velocities = block[tap];
             for (std::size_t i = 0; i < velocities.size(); ++i) {
                 double& now = now_m_[i % now_m_.size()];
-                now += velocities[i] / sample_rate_hz;
+                now += velocities[i] / rate_hz_;
                 largest = std::max(largest, std::abs(now));
             }
         }
@@ -165,6 +166,7 @@ public:
 
 private:
     std::vector<double> now_m_;
+    double rate_hz_ = 0;
     bool shows_it_ = false;
 };
 
@@ -187,8 +189,7 @@ public:
 
     /// Notes how far the present one's plates bend in these samples.
     void note_deflection(const Samples& block) {
-        run_.deflection_m =
-            std::max(run_.deflection_m, deflection_.largest_in(block, now_->scene().output.sample_rate_hz));
+        run_.deflection_m = std::max(run_.deflection_m, deflection_.largest_in(block));
     }
 
     /// Ends the present one. @param continues its motion goes on in the next one

@@ -49,7 +49,7 @@ public:
     void commit();
 
     /// Gives the file its name now, while it keeps growing, and replaces an older one. From here on its bytes stay
-    /// under that name, unless it is abandoned, and no other StagedFile replaces it while it is open.
+    /// under that name, unless it is abandoned. While it is open, no other StagedFile of that name can be begun or appear.
     void appear();
 
     /// @throws std::runtime_error where the file of that name is one that still grows, of this or another program
