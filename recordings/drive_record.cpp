@@ -38,7 +38,7 @@ tl::expected<std::size_t, Fault> chosen_column(const std::vector<Column>& column
     if (!wanted) {
         return called("v_horn").value_or(0);  // of a recording of another run
     }
-    if (const auto found = called(*wanted)) {
+    if (const auto found = called(in_ascii(*wanted))) {  // as the names are
         return *found;
     }
     if (const auto number = parsed_number<std::size_t>(*wanted);

@@ -22,6 +22,39 @@ std::string shortest(Number value) {
     return {buffer.data(), end};
 }
 
+// Whether a terminal acts on the character: control characters (C0, DEL, C1), ends of lines and paragraphs, and the embeddings,
+// overrides and isolates of the bidirectional algorithm (Unicode Standard Annex 9).
+constexpr bool is_acted_on(char32_t code) {
+    return code < 0x20 || (code >= 0x7F && code < 0xA0) || (code >= 0x2028 && code <= 0x202E) ||
+           (code >= 0x2066 && code <= 0x2069);
+}
+
+// Takes a character, or a byte that is none, off the text. The text is not empty.
+struct Taken {
+    std::string_view bytes;
+    bool is_plain = false;
+    char32_t code = 0;
+};
+
+Taken take_character(std::string_view& text) {
+    const Character first = first_character(text);
+    const Taken taken{text.substr(0, std::max<std::size_t>(first.bytes, 1)),
+                      first.bytes > 0 && !is_acted_on(first.code),
+                      first.bytes > 0 ? first.code : static_cast<unsigned char>(text.front())};
+    text.remove_prefix(taken.bytes.size());
+    return taken;
+}
+
+// Whole characters from the beginning of the text, of so many bytes at most.
+std::string_view beginning(std::string_view text, std::size_t max_length) {
+    const auto goes_on = [](char c) { return (static_cast<unsigned char>(c) & 0xC0U) == 0x80; };
+    std::size_t length = std::min(text.size(), max_length);
+    for (int i = 0; i < 3 && length > 0 && length < text.size() && goes_on(text[length]); ++i) {
+        --length;
+    }
+    return text.substr(0, length);
+}
+
 std::string_view last_part(std::string_view key) {
     return key.substr(key.rfind('.') + 1);  // npos + 1 is 0: a key without a dot is its own last part
 }
@@ -76,35 +109,84 @@ std::string rounded_text(double value, int digits) {
     return {text.data(), static_cast<std::size_t>(length)};
 }
 
-std::string quoted(std::string_view text) {
-    constexpr std::string_view hex = "0123456789ABCDEF";
-    std::string result = "\"";
-    for (const char c : text) {
-        const auto byte = static_cast<unsigned char>(c);
-        if (c == '"' || c == '\\') {
-            result += {'\\', c};
-        } else if (byte >= 0x20 && byte < 0x7F) {
-            result += c;
-        } else {
-            result += {'\\', 'u', '0', '0', hex[byte / 16], hex[byte % 16]};
+Character first_character(std::string_view text) noexcept {
+    const auto byte = [&](std::size_t i) { return static_cast<unsigned char>(text[i]); };
+    const unsigned first = byte(0);
+    if (first < 0x80) {
+        return {1, first};
+    }
+    const std::size_t bytes = first >= 0xF0 ? 4 : first >= 0xE0 ? 3 : first >= 0xC2 ? 2 : 0;
+    if (bytes == 0 || first > 0xF4 || text.size() < bytes) {
+        return {};
+    }
+    char32_t code = first & (0xFFU >> (bytes + 1));
+    for (std::size_t i = 1; i < bytes; ++i) {
+        if ((byte(i) & 0xC0U) != 0x80) {
+            return {};
         }
+        code = code << 6U | (byte(i) & 0x3FU);
+    }
+    constexpr char32_t surrogates = 0xD800;
+    constexpr char32_t after_surrogates = 0xE000;
+    const bool too_long = (bytes == 3 && code < 0x800) || (bytes == 4 && code < 0x10000);
+    const bool none = too_long || code > 0x10FFFF || (code >= surrogates && code < after_surrogates);
+    return none ? Character{} : Character{bytes, code};
+}
+
+bool is_plain(std::string_view text) noexcept {
+    while (!text.empty()) {
+        if (!take_character(text).is_plain) {
+            return false;
+        }
+    }
+    return true;
+}
+
+std::string escaped(char32_t code) {
+    std::array<char, 16> text{};
+    const int length = std::snprintf(text.data(), text.size(), code < 0x10000 ? "\\u%04X" : "\\U%08X",
+                                     static_cast<unsigned>(code));
+    return {text.data(), static_cast<std::size_t>(length)};
+}
+
+std::string quoted(std::string_view text) {
+    std::string result = "\"";
+    while (!text.empty()) {
+        const Taken next = take_character(text);
+        if (next.bytes == "\"" || next.bytes == "\\") {
+            result += '\\';
+        }
+        result += next.is_plain ? std::string(next.bytes) : escaped(next.code);
     }
     return result + '"';
 }
 
 std::string quoted_briefly(std::string_view text) {
-    std::string shown = quoted(text.substr(0, max_shown));
-    std::size_t count = std::min(text.size(), max_shown);
+    std::string_view part = beginning(text, max_shown);
+    std::string shown = quoted(part);
     while (shown.size() > 2 * max_shown + 2) {  // of characters that are written as \u00FF
-        shown = quoted(text.substr(0, --count));
+        part = beginning(text, part.size() - 1);
+        shown = quoted(part);
     }
-    return count == text.size() ? shown : shown + "...";
+    return part.size() == text.size() ? shown : shown + "...";
 }
 
 std::string printable(std::string_view text, std::size_t max_length) {
-    std::string result(text.substr(0, max_length));
-    std::replace_if(
-        result.begin(), result.end(), [](char c) { return c < 0x20 || c > 0x7E; }, '?');
+    std::string result;
+    for (std::string_view rest = beginning(text, max_length); !rest.empty();) {
+        const Taken next = take_character(rest);
+        result += next.is_plain ? next.bytes : "?";
+    }
+    return text.size() <= max_length ? result : result + "...";
+}
+
+std::string in_ascii(std::string_view text, std::size_t max_length) {
+    std::string result;
+    for (std::string_view rest = beginning(text, max_length); !rest.empty();) {
+        const Taken next = take_character(rest);
+        const bool is_micro = next.code == 0xB5 || next.code == 0x3BC;
+        result += is_micro ? "u" : next.is_plain && next.code < 0x80 ? next.bytes : "?";
+    }
     return text.size() <= max_length ? result : result + "...";
 }
 

@@ -28,14 +28,34 @@ std::optional<Number> parsed_number(std::string_view text) noexcept {
     return error == std::errc{} && stopped == end ? std::optional(number) : std::nullopt;
 }
 
-/// The text between double quotes, with everything but printable ASCII escaped: a TOML string, safe on a terminal.
+/// A character in UTF-8.
+struct Character {
+    std::size_t bytes = 0;  ///< 0: not UTF-8
+    char32_t code = 0;
+};
+
+/// The first character of a text that is not empty.
+Character first_character(std::string_view text) noexcept;
+
+/// Whether the text is UTF-8 without characters that a terminal acts on: control characters, ends of lines and paragraphs, and
+/// those that turn the direction of writing.
+bool is_plain(std::string_view text) noexcept;
+
+/// The character as an escape of TOML: "\u00FC".
+std::string escaped(char32_t code);
+
+/// The text between double quotes, with all that is not plain escaped: a TOML string, safe on a terminal.
 std::string quoted(std::string_view text);
 
 /// quoted(), shortened for a message.
 std::string quoted_briefly(std::string_view text);
 
-/// The text without quotes, for a message: characters that a terminal might act on become '?', and a longer text is cut.
+/// The text without quotes, for a message: all that is not plain becomes '?', and a longer text is cut [bytes].
 std::string printable(std::string_view text, std::size_t max_length = 120);
+
+/// The text with '?' for each character that is not printable ASCII, and u for either sign of micro (in UTF-8 or Latin-1), cut
+/// like printable(): for the names and units of columns.
+std::string in_ascii(std::string_view text, std::size_t max_length = 120);
 
 /// Whether TOML accepts the text as a key without quotes: letters, digits, '_' and '-'.
 bool is_bare_key(std::string_view text) noexcept;

@@ -7,6 +7,8 @@
 #include <string>
 #include <utility>
 
+#include "core/scene/text.hpp"
+
 namespace hertzline {
 
 namespace {
@@ -25,33 +27,6 @@ bool is_utf16(std::string_view text) {
     }
     return text.size() >= 4 && (text[0] == '\0') != (text[1] == '\0') &&
            (text[0] == '\0') == (text[2] == '\0') && (text[1] == '\0') == (text[3] == '\0');
-}
-
-/// A character outside of ASCII.
-struct Character {
-    std::size_t bytes = 0;  ///< 0: the text is no UTF-8
-    char32_t code = 0;
-};
-
-Character character_at(std::string_view text) {
-    const auto byte = [&](std::size_t i) { return static_cast<unsigned char>(text[i]); };
-    const unsigned first = byte(0);
-    const std::size_t bytes = first >= 0xF0 ? 4 : first >= 0xE0 ? 3 : first >= 0xC2 ? 2 : 0;
-    if (bytes == 0 || first > 0xF4 || text.size() < bytes) {
-        return {};
-    }
-    char32_t code = first & (0xFFU >> (bytes + 1));
-    for (std::size_t i = 1; i < bytes; ++i) {
-        if ((byte(i) & 0xC0U) != 0x80) {
-            return {};
-        }
-        code = code << 6U | (byte(i) & 0x3FU);
-    }
-    constexpr char32_t surrogates = 0xD800;
-    constexpr char32_t after_surrogates = 0xE000;
-    const bool too_long = (bytes == 3 && code < 0x800) || (bytes == 4 && code < 0x10000);
-    const bool none = too_long || code > 0x10FFFF || (code >= surrogates && code < after_surrogates);
-    return none ? Character{} : Character{bytes, code};
 }
 
 /// Reads the text character by character, and knows whether it is in a string or a comment.
@@ -76,15 +51,15 @@ private:
             return std::nullopt;
         }
         if ((c < 0x20 || c > 0x7E) && c != '\t') {
-            return take_other();
+            return take_other(first_character(rest_));
         }
         if (in_comment_) {
-            pass(1);
+            pass(1, 1);
             return std::nullopt;
         }
         if (c == '#' && quote_.empty()) {
             in_comment_ = true;
-            pass(1);
+            pass(1, 1);
             return std::nullopt;
         }
         if (c == ',' && quote_.empty()) {
@@ -98,24 +73,22 @@ private:
         return std::nullopt;
     }
 
-    /// Takes what is not ASCII: allowed in a comment.
-    std::optional<Fault> take_other() {
-        const auto byte = static_cast<unsigned char>(rest_.front());
-        const Character found = byte < 0x80 ? Character{} : character_at(rest_);
-        if (in_comment_ && found.bytes > 0) {
-            pass(found.bytes);
+    /// Takes a byte or character that is not printable ASCII: allowed in a comment, and, escaped for the library, in double quotes.
+    std::optional<Fault> take_other(Character found) {
+        const bool is_wide = found.bytes > 1;
+        if (is_wide && (in_comment_ || quote_.starts_with('"'))) {
+            clean_ += in_comment_ ? "" : escaped(found.code);
+            pass(found.bytes, 1);
             return std::nullopt;
         }
         std::array<char, 32> name{};
-        if (found.bytes > 0) {
-            std::snprintf(name.data(), name.size(), "the character U+%04X",
-                          static_cast<unsigned>(found.code));
-        } else {
-            std::snprintf(name.data(), name.size(), "byte 0x%02X", byte);
-        }
-        return fault_in(
-            line_, name.data() + (" in column " + std::to_string(column_)),
-            in_comment_ ? "UTF-8 in comments" : "printable ASCII, tabs and line ends; UTF-8 in comments");
+        std::snprintf(
+            name.data(), name.size(), is_wide ? "the character U+%04X" : "byte 0x%02X",
+            is_wide ? static_cast<unsigned>(found.code) : static_cast<unsigned char>(rest_.front()));
+        return fault_in(line_, name.data() + (" in column " + std::to_string(column_)),
+                        in_comment_
+                            ? "UTF-8 in comments"
+                            : "printable ASCII, tabs and line ends; UTF-8 in comments and double quotes");
     }
 
     /// Begins or ends a string. Returns the bytes of its quotes.
@@ -148,13 +121,13 @@ private:
             quote_ = {};  // a fault, which the parser finds
         }
     }
-    void pass(std::size_t bytes) {
+    void pass(std::size_t bytes, std::size_t columns) {
         rest_.remove_prefix(bytes);
-        column_ += bytes;
+        column_ += columns;
     }
     void keep(std::size_t bytes) {
         clean_ += rest_.substr(0, bytes);
-        pass(bytes);
+        pass(bytes, bytes);
     }
 
     std::string_view rest_;

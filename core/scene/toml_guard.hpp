@@ -17,7 +17,8 @@ namespace hertzline {
 inline constexpr std::size_t max_scene_bytes = std::size_t{32} << 20;  // a record of a million samples
 
 /// Checks a text as any editor saves it, and returns it without byte order mark and comments, its lines ended by LF, in printable ASCII and
-/// tabs. Comments are UTF-8. A line may hold 32 single dots. The fault tells its line.
+/// tabs. Comments and strings in double quotes are UTF-8, and what is not ASCII in a string is escaped. A line may hold 32 single dots.
+/// The fault tells its line.
 tl::expected<std::string, Fault> guarded_toml(std::string_view text);
 
 }  // namespace hertzline

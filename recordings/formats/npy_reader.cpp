@@ -170,7 +170,7 @@ private:
     }
 
     void add_columns(const std::string& name, const NpyType& type) {
-        const std::string base = name.empty() ? fmt::format("channel_{}", ++channels_) : printable(name);
+        const std::string base = name.empty() ? fmt::format("channel_{}", ++channels_) : in_ascii(name);
         if (!type.is_complex()) {
             head_.columns.push_back(column_named(base));
             return;

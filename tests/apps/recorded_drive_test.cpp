@@ -33,7 +33,7 @@ protected:
     }
 
     TemporaryFolder folder_;
-    std::string horn_ = folder_.file("horn.csv");
+    std::string horn_ = folder_.file("h\u00f6rn \u6ce2.csv");
 };
 
 TEST_F(RecordedDrive, ARecordingNeedsNoOtherFile) {

@@ -300,11 +300,15 @@ TEST(Run, InterruptedRunLeavesNoFile) {
     EXPECT_EQ(files_in(directory), 0U);
 }
 
-TEST(Run, SceneMayBeAFile) {
+TEST(Run, SceneMayBeAFileOfAnyName) {
     const TemporaryFolder folder;
-    write_text(folder.file("my.toml"), "[end]\nkind = \"wall\"\nmaterial = \"steel\"\n");
-    const auto mine = hertzline({"run", folder.file("my.toml"), "--json"}).json();
+    const std::string file = folder.file("m\u00fcller \u6ce2.toml");
+    write_text(file, "[end]\nkind = \"wall\"\nmaterial = \"steel\"\n");
+    const auto mine = hertzline({"run", file, "--json"}).json();
     EXPECT_EQ(mine["scene_hash"], hertzline({"run", "paper-wall", "--json"}).json()["scene_hash"]);
+    write_text(file, "[end]\nkind = \"\u6ce2\"\n");
+    EXPECT_THAT(hertzline({"run", file}).err,
+                HasSubstr("m\u00fcller \u6ce2.toml:2: end.kind: found \"\u6ce2\", allowed: "));
 }
 
 }  // namespace

@@ -67,11 +67,15 @@ protected:
         writer->commit();
     }
 
-    /// Lines of a table with two columns.
-    static std::string rows() {
+    /// Lines of a table: the time in microseconds as seconds, and its multiples, in so many columns.
+    static std::string rows(std::size_t columns = 1) {
         std::string text = "\n";
         for (std::size_t i = 0; i < 40; ++i) {
-            text += fmt::format("{},{}\n", 1e-6 * static_cast<double>(i), i);
+            text += fmt::format("{}", 1e-6 * static_cast<double>(i));
+            for (std::size_t multiple = 1; multiple <= columns; ++multiple) {
+                text += fmt::format(",{}", multiple * i);
+            }
+            text += '\n';
         }
         return text;
     }
@@ -156,6 +160,20 @@ TEST_F(DriveRecord, TakesUnitsFromTheColumnUnlessTheSceneHasAScale) {
                          "Time (s),Channel 1 (" + std::string(micro) + "m)" + rows());
         EXPECT_DOUBLE_EQ(drive("micro.csv").scale.value(), 1e-6) << micro;
     }
+}
+
+TEST_F(DriveRecord, NamesAreInAnyLanguage) {
+    const std::string file = "gr\u00f6\u00dfe \u6ce2.csv";
+    test::write_text(folder_.file(file),
+                     "Time (s),\u00c4u\u00dferes [V],Gr\u00f6\u00dfe (\u00b5m)" + rows(2));
+    const Drive found = drive(file, "column = \"Gr\u00f6\u00dfe\"\n");
+    ASSERT_FALSE(found.samples.empty());
+    EXPECT_EQ(found.samples.back(), 78);
+    EXPECT_EQ(found.scale, 1e-6);
+    EXPECT_EQ(drive(file, "column = \"Gr\u00f6\u00dfe (\u03bcm)\"\n"), found);
+    EXPECT_THAT(fault(file, "column = \"\u6ce2\"\n"),
+                HasSubstr("drive.column: found \"\u6ce2\", allowed: one of ?u?eres, Gr??e, or"));
+    EXPECT_THAT(fault("\u6ce2.csv"), HasSubstr("/\u6ce2.csv\", which is no file"));
 }
 
 TEST_F(DriveRecord, ANameThatEndsInAnotherUnitIsNoMotionInMetres) {

@@ -45,25 +45,14 @@ std::vector<std::string_view> words_of(std::string_view line, char separator) {
     return words;
 }
 
-/// The text in ASCII, with u for either sign of micro, in UTF-8 or Latin-1.
-std::string plain(std::string_view text) {
-    std::string result(text);
-    for (const std::string_view micro : {"\xC2\xB5", "\xCE\xBC", "\xB5"}) {
-        for (std::size_t at = result.find(micro); at != std::string::npos; at = result.find(micro, at)) {
-            result.replace(at, micro.size(), "u");
-        }
-    }
-    return printable(result);
-}
-
 /// The column of a name such as "Channel 1 (V)".
 Column column_of_words(std::string_view name) {
     const std::size_t open = name.find_last_of("([");
     const bool has_unit =
         open != std::string_view::npos && open > 0 && (name.back() == ')' || name.back() == ']');
-    Column column = column_named(plain(trimmed(name.substr(0, has_unit ? open : name.size()), blanks)));
+    Column column = column_named(in_ascii(trimmed(name.substr(0, has_unit ? open : name.size()), blanks)));
     if (has_unit) {
-        column.unit = plain(name.substr(open + 1, name.size() - open - 2));
+        column.unit = in_ascii(name.substr(open + 1, name.size() - open - 2));
     }
     return column;
 }
@@ -122,7 +111,7 @@ void take_units(const CsvLines& lines, CsvNames& names) {
     for (std::size_t i = 0; i < names.columns.size(); ++i) {
         const std::size_t place = names.time_column + 1 + i;
         if (place < words.size() && !words[place].empty()) {
-            names.columns[i].unit = plain(trimmed(words[place], " ()[]"));
+            names.columns[i].unit = in_ascii(trimmed(words[place], " ()[]"));
         }
     }
 }

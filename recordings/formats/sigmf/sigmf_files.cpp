@@ -11,6 +11,7 @@
 #include <sodium.h>
 
 #include "core/scene/json.hpp"
+#include "core/scene/text.hpp"
 #include "measures/provenance.hpp"
 #include "recordings/files/output_file.hpp"
 #include "recordings/float32.hpp"
@@ -78,22 +79,8 @@ Json sigmf_extensions() {
 }
 
 bool names_a_neighbour(const std::string& text) {
-    const auto is_control = [](char c) { return (c >= 0 && c < 0x20) || c == 0x7F; };
-    if (text.empty() || text == "." || text == ".." || text.find('/') != std::string::npos ||
-        std::ranges::any_of(text, is_control)) {
-        return false;
-    }
-    for (std::size_t at = text.find('\xC2'); at != std::string::npos; at = text.find('\xC2', at + 1)) {
-        if (at + 1 < text.size() && static_cast<unsigned char>(text[at + 1]) < 0xA0) {
-            return false;  // U+0080 to U+009F
-        }
-    }
-    try {
-        static_cast<void>(Json(text).dump());
-    } catch (const Json::exception&) {
-        return false;  // not UTF-8
-    }
-    return true;
+    return !text.empty() && text != "." && text != ".." && text.find('/') == std::string::npos &&
+           is_plain(text);
 }
 
 std::optional<std::string> sha512_of(InputFile& file, const ArchivedFile& part,

@@ -47,7 +47,8 @@ private:
         }
         if (key.kind == ValueKind::word) {
             if (key.traits.is_text) {
-                return std::string(1 + bits_() % 20, 'a') + " \"x\\" + std::to_string(bits_());
+                return std::string(1 + bits_() % 20, 'a') + " \"x\\\u00fc\u009b\U0001f529" +
+                       std::to_string(bits_());
             }
             const std::vector<std::string> words = words_of(scene, key);
             return words[bits_() % words.size()];

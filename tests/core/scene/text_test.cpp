@@ -40,17 +40,61 @@ TEST(Text, SuggestionsAreNearAndNotFarFetched) {
     EXPECT_EQ(suggestion("x", {}), "");
 }
 
-TEST(Text, QuotedIsPrintableAscii) {
+TEST(Text, QuotedIsPlain) {
     EXPECT_EQ(quoted("plain"), "\"plain\"");
     EXPECT_EQ(quoted("a\"b\\c"), R"("a\"b\\c")");
     EXPECT_EQ(quoted(std::string_view("\0\n\x1B\xFF", 4)), "\"\\u0000\\u000A\\u001B\\u00FF\"");
+    EXPECT_EQ(quoted("M\u00fcller \u6ce2 \U0001f529"), "\"M\u00fcller \u6ce2 \U0001f529\"");
+    EXPECT_EQ(quoted("\u009b2J\u2028\u202e\u2066"), "\"\\u009B2J\\u2028\\u202E\\u2066\"");
     EXPECT_EQ(quoted_briefly(std::string(100, 'x')).size(), 65);
     EXPECT_LE(quoted_briefly(std::string(50, '\xFF')).size(), 125);
+    EXPECT_EQ(quoted_briefly(std::string(59, 'x') + "\u00fc"), '"' + std::string(59, 'x') + "\"...");
 }
 
 TEST(Text, PrintableHidesControlCharactersAndCutsLongTexts) {
     EXPECT_EQ(printable("a=\x1B[2J"), "a=?[2J");
     EXPECT_EQ(printable(std::string(1000, 'x')), std::string(120, 'x') + "...");
+    EXPECT_EQ(printable("/home/M\u00fcller/\u6ce2.toml"), "/home/M\u00fcller/\u6ce2.toml");
+    EXPECT_EQ(printable("a\u202eb\u009b\xFC\xC3"), "a?b???");
+    EXPECT_EQ(printable("12345\U0001f529", 8), "12345...");
+    EXPECT_EQ(printable("\xF0\x9F\x94\xA9\x94\x94\x94\x94", 7),
+              "\U0001f529...");  // no character of 4 bytes or more
+}
+
+TEST(Text, InAsciiACharacterIsAQuestionMark) {
+    EXPECT_EQ(in_ascii("Gr\u00f6\u00dfe\t[\u6ce2]"), "Gr??e?[?]");
+    EXPECT_EQ(in_ascii(std::string(1000, 'x')).size(), 123);
+    EXPECT_EQ(in_ascii("\u00b5m \u03bcm \xB5m"), "um um um");
+}
+
+// The examples of the Unicode Standard 15.0, tables 3-7 to 3-10, and the ends of each row of table 3-7.
+TEST(Text, IsUtf8AsTheStandardHasIt) {
+    for (const char* text :
+         {"\x20", "\x7E", "\xC2\xA0", "\xDF\xBF", "\xE0\xA0\x80", "\xE0\xBF\xBF", "\xEC\xBF\xBF",
+          "\xED\x80\x80", "\xED\x9F\xBF", "\xEE\x80\x80", "\xEF\xBF\xBF", "\xF0\x90\x80\x80",
+          "\xF3\xBF\xBF\xBF", "\xF4\x80\x80\x80", "\xF4\x8F\xBF\xBF"}) {
+        EXPECT_TRUE(is_plain(text)) << testing::PrintToString(text);
+        EXPECT_EQ(first_character(text).bytes, std::string_view(text).size());
+    }
+    for (const char* text :
+         {"\x80", "\xBF", "\xC0\xAF", "\xC1\xBF", "\xC2", "\xC2\x7F", "\xC2\xC0", "\xE0\x9F\xBF", "\xE1\x80",
+          "\xE1\x80\xC0", "\xED\xA0\x80", "\xED\xBF\xBF", "\xF0\x8F\xBF\xBF", "\xF1\x80\x80",
+          "\xF4\x90\x80\x80", "\xF5\x80\x80\x80", "\xFF"}) {
+        EXPECT_FALSE(is_plain(text)) << testing::PrintToString(text);
+        EXPECT_EQ(first_character(text).bytes, 0) << testing::PrintToString(text);
+    }
+    EXPECT_EQ(first_character("\u20ac").code, 0x20AC);
+    EXPECT_EQ(first_character("\U0010302f").code, 0x10302F);
+}
+
+TEST(Text, PlainTextHasNoCharactersThatATerminalActsOn) {
+    for (const char* text :
+         {"\x1B", "\n", "\x7F", "\u0080", "\u009f", "\u2028", "\u202e", "\u2066", "\u2069"}) {
+        EXPECT_FALSE(is_plain(text)) << testing::PrintToString(text);
+    }
+    for (const char* text : {"", "\u00a0", "\u2027", "\u202f", "\u2065", "\u206a"}) {
+        EXPECT_TRUE(is_plain(text)) << testing::PrintToString(text);
+    }
 }
 
 TEST(Text, TrimmedLosesTheBlanksAroundIt) {

@@ -46,11 +46,13 @@ TEST(SceneTextGuard, OnlyPrintableAsciiTabsAndLineEndsPass) {
 TEST(SceneTextGuard, ARefusedByteOrCharacterIsNamedWithLineAndColumn) {
     EXPECT_THAT(messages("[\0"s),
                 ElementsAre("scene.toml:1: found byte 0x00 in column 2, allowed: printable ASCII, "
-                            "tabs and line ends; UTF-8 in comments"));
+                            "tabs and line ends; UTF-8 in comments and double quotes"));
     EXPECT_THAT(messages("\n\xEF\xBB\xBF"),
                 ElementsAre(HasSubstr("scene.toml:2: found the character U+FEFF in column 1")));
     EXPECT_THAT(messages("[end]\r\nkind = \xE2\x80\x9Cwall\xE2\x80\x9D\n"),
                 ElementsAre(HasSubstr(":2: found the character U+201C in column 8")));
+    EXPECT_THAT(messages("a = \"\u03bc\u00b5\xE9\"\n"),  // a character is a column
+                ElementsAre(HasSubstr("scene.toml:1: found byte 0xE9 in column 8")));
     EXPECT_THAT(messages("[drive]\n# caf\xE9\n"),
                 ElementsAre(HasSubstr(":2: found byte 0xE9 in column 6, allowed: UTF-8 in comments")));
 }
@@ -80,11 +82,15 @@ TEST(SceneTextGuard, Utf16IsCalledByItsName) {
 // A wrong guess would lose a part of a string.
 TEST(SceneTextGuard, StringsHoldNumberSignsAndCommentsHoldQuotes) {
     const std::string e = "\xC3\xA9";
-    for (const std::string& text : {"a = \"# " + e + "\"", "a = '# " + e + "'", "a = \"\\\" # " + e + "\"",
-                                    "a = \"\"\"\n\" # " + e + "\"\"\"", "a = '''\n' # " + e + "'''",
-                                    "a = '\\' + " + e, "a = \"\" " + e, "a = \"\"\"\"\"\" " + e}) {
+    for (const std::string& text : {"a = '# " + e + "'", "a = '''\n' # " + e + "'''", "a = '\\' + " + e,
+                                    "a = \"\" " + e, "a = \"\"\"\"\"\" " + e}) {
         EXPECT_TRUE(refused_by_guard(text)) << text;
     }
+    for (const std::string& text :
+         {"\"# " + e + "\"", "\"\"\"# " + e + "\"\"\"", "\"\"\"\n# " + e + "\"\"\" # " + e}) {
+        EXPECT_EQ(scene_of("drive.file = " + text).drive.file, "# " + e) << text;
+    }
+    EXPECT_EQ(scene_of("drive.file = \"\\\" # " + e + "\"").drive.file, "\" # " + e);
     for (const std::string& text :
          {"# \" ' \"\"\" " + e, "a = '\\' # " + e, "a = \"\\\"\" # " + e, "a = \"\" # " + e,
           "a = \"open\nb = 1 # " + e, "a = \"\"\"x\n\"\"\" # " + e}) {
