@@ -102,6 +102,15 @@ std::optional<std::string> sha512_of(InputFile& file, const ArchivedFile& part,
     return digits_of(hash);
 }
 
+std::optional<std::string> hash_fault(std::string_view told_hash, InputFile& file, const ArchivedFile& part,
+                                      const std::atomic<bool>* stop) {
+    const std::string told = lower_case(told_hash);
+    const auto found = told.empty() ? std::nullopt : sha512_of(file, part, stop);
+    return !found || *found == told ? std::nullopt
+                                    : std::optional(fmt::format("found {}..., told {}", found->substr(0, 16),
+                                                                quoted_briefly(told.substr(0, 16))));
+}
+
 std::string sigmf_text(const Json& json) {
     return json.dump(2, ' ', false, Json::error_handler_t::replace) + '\n';
 }

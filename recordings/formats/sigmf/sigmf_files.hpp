@@ -1,5 +1,6 @@
 #pragma once
-// The two files of a SigMF recording while they are written, some of a run's columns in them.
+// The two files of a SigMF recording while they are written, some of a run's columns in them; the checks of names and hashes that its
+// readers share.
 
 #include <atomic>
 #include <cstddef>
@@ -9,6 +10,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "core/scene/json.hpp"
@@ -54,6 +56,11 @@ bool names_a_neighbour(const std::string& text);
 /// Returns the SHA-512 of a part of a file in hexadecimal digits; nothing once `stop` is true (null: never). Leaves the file at its end.
 std::optional<std::string> sha512_of(InputFile& file, const ArchivedFile& part,
                                      const std::atomic<bool>* stop);
+
+/// Compares the hash of a file with the one in the metadata, if there is one. Returns how they differ.
+/// @param told_hash that of the metadata; "": none @param stop true: nothing is compared
+std::optional<std::string> hash_fault(std::string_view told_hash, InputFile& file, const ArchivedFile& part,
+                                      const std::atomic<bool>* stop);
 
 /// The part of the metadata that changes while samples are written.
 struct SigmfProgress {
