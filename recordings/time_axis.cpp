@@ -179,11 +179,13 @@ std::optional<double> rate_of_times(std::span<const double> times, const TimeDig
     }
     kept = std::min(kept, times.size() - 1);
     throw TimeFault(
-        kept, times[kept] > times[kept - 1]
-                  ? fmt::format("found the time {}, which is not a sample's at {} Hz, the rate of the times "
-                                "before",
-                                number_text(times[kept]), number_text(rate))
-                  : "the time does not increase");
+        kept,
+        times[kept] > times[kept - 1]
+            ? fmt::format(
+                  "found the time {}, which is not a sample's at {} Hz, the rate of the times "
+                  "before; allowed: that of a sample, to its last digit, or a sample rate that is given",
+                  number_text(times[kept]), number_text(rate))
+            : "the time does not increase");
 }
 
 TimeAxis::TimeAxis(std::optional<double> given_hz, std::span<const double> times, const TimeDigits& digits)
