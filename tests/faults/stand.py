@@ -84,7 +84,7 @@ class Stand:
 
     def run(self, *words, **how):
         """Runs the program to its end."""
-        return subprocess.run([self.program, *words], text=True, timeout=LONG_ENOUGH_S, **{
+        return subprocess.run([self.program, *words], text=True, timeout=4 * LONG_ENOUGH_S, **{
             "stdin": subprocess.DEVNULL, "stdout": subprocess.PIPE, "stderr": subprocess.PIPE, **how})
 
     def with_shim(self, loses=None):
