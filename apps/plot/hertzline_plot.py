@@ -17,6 +17,7 @@ import sys
 MODULES_MISSING = 3  # exit status
 NOT_A_SWEEP = 4
 WRONG_USE = 5
+UNREADABLE = 6
 
 FOLDER = os.getcwd()
 os.chdir("/")  # a user's settings may ask for LaTeX or a window; matplotlib looks for them in the folder first
@@ -90,5 +91,8 @@ if __name__ == "__main__":
     except style.WrongUse as error:
         print(error, file=sys.stderr)
         sys.exit(WRONG_USE)
+    except tables.Unreadable as error:
+        print(error, file=sys.stderr)
+        sys.exit(UNREADABLE)
     except (OSError, ValueError, KeyError) as error:
         sys.exit(f"{error}")

@@ -329,7 +329,7 @@ TEST(Plot, NamesATableThatIsCutShort) {
     fs::resize_file(table, fs::file_size(table) / 2);
     const Outcome cut = hertzline({"plot", table, "-o", folder.file("s.png")});
     EXPECT_EQ(cut.status, 1);
-    EXPECT_THAT(cut.err, HasSubstr("cannot read " + table));
+    EXPECT_THAT(cut.err, StartsWith("error: cannot read " + table));
 }
 
 TEST(Plot, DrawsTheWaveformsOfASweep) {

@@ -40,6 +40,7 @@ namespace fs = std::filesystem;
 constexpr int plot_modules_missing = 3;  // a module of Python
 constexpr int plot_not_a_sweep = 4;      // the file holds none
 constexpr int plot_wrong_use = 5;        // an option that the file cannot satisfy
+constexpr int plot_unreadable = 6;       // a file
 
 /// Names of Python. The path's comes first: a virtual environment may have matplotlib.
 constexpr std::array pythons{"python3", "/usr/bin/python3"};
@@ -158,6 +159,9 @@ std::optional<int> run_script(const fs::path& folder, recordings::StagedFile& pi
         const std::string reason = last_line_of(beginning_of(messages));
         if (exit_status == plot_wrong_use) {
             throw WrongUse(reason);
+        }
+        if (exit_status == plot_unreadable) {
+            throw std::runtime_error(reason);
         }
         if (exit_status != plot_modules_missing) {
             recordings::cannot_write(picture.path(), fmt::format("{} failed: {}", python, reason));

@@ -1,4 +1,5 @@
 """Tables of `hertzline sweep`, `hertzline optimise` and `hertzline field`, in HDF5 or CSV."""
+import contextlib
 import csv
 import json
 
@@ -15,6 +16,13 @@ class NotASweep(Exception):
     pass
 
 
+class Unreadable(Exception):
+    """A file that is damaged, or not there. Names it."""
+
+    def __init__(self, path, reason):
+        super().__init__(f"cannot read {path}: {reason}")
+
+
 def object_in(value):
     """The JSON object that this is, or that its text is; an empty one where there is none."""
     if isinstance(value, (str, bytes)):
@@ -25,13 +33,15 @@ def object_in(value):
     return value if isinstance(value, dict) else {}
 
 
+@contextlib.contextmanager
 def open_hdf5(path):
-    """The file, to be closed. Raises OSError that names it."""
+    """The file, for a block. Raises Unreadable."""
     import h5py
     try:
-        return h5py.File(path, "r")
+        with h5py.File(path, "r") as file:
+            yield file
     except OSError as error:
-        raise OSError(f"cannot read {path}: {error}") from error
+        raise Unreadable(path, error) from error
 
 
 def read_hdf5_table(path):
@@ -49,8 +59,11 @@ def read_hdf5_table(path):
 
 def read_csv_table(path):
     """The same of a CSV; the units are beside it."""
-    with open(path, newline="", encoding="utf-8") as file:
-        names, *rows = csv.reader(file)
+    try:
+        with open(path, newline="", encoding="utf-8") as file:
+            names, *rows = csv.reader(file)
+    except (OSError, ValueError, csv.Error) as error:
+        raise Unreadable(path, error) from error
     units, provenance = {}, {}
     try:
         with open(path + "-metadata.json", encoding="utf-8") as file:
