@@ -213,9 +213,9 @@ bool RecordingSet::any_left() const noexcept {
     return std::ranges::any_of(threads_, [](const auto& thread) { return thread != nullptr; });
 }
 
-Json recordings_json(const RecordingSet& recordings) {
+Json recordings_json(std::span<const RecordingSet::Status> recordings) {
     auto list = Json::array();
-    for (const RecordingSet::Status& one : recordings.status()) {
+    for (const RecordingSet::Status& one : recordings) {
         list.push_back({{"file", one.file},
                         {"samples", one.samples},
                         {"missing_samples", one.missing},

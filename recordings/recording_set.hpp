@@ -45,8 +45,8 @@ public:
         std::string file;
         std::int64_t samples = 0;  ///< in the file, known at the end; an upper bound for a stuck file
         std::int64_t missing = 0;  ///< left out because the file was too slow or stuck
-        std::string failure;  ///< empty: none; else with the name of the file that holds the saved samples
-        std::string warning;  ///< known at the end; empty: none
+        std::string failure{};  ///< empty: none; else with the name of the file that holds the saved samples
+        std::string warning{};  ///< known at the end; empty: none
     };
 
     /// Begins all of them. @throws std::runtime_error that names the path and the reason when one cannot be.
@@ -102,6 +102,6 @@ private:
 };
 
 /// An object for each recording: file, samples, missing_samples, status ("complete", or why it is not).
-Json recordings_json(const RecordingSet& recordings);
+Json recordings_json(std::span<const RecordingSet::Status> recordings);
 
 }  // namespace hertzline::recordings

@@ -161,7 +161,7 @@ Json ListenSession::summary() const {
     summary["simulated_s"] = simulated_s();
     summary["samples"] = samples_;
     summary.update(run_.account());
-    summary["recordings"] = recordings_ ? recordings::recordings_json(*recordings_) : Json::array();
+    summary["recordings"] = recordings_ ? recordings::recordings_json(recordings_->status()) : Json::array();
     summary["gapless"] = run_.complete();
     summary["ended_by"] = word(run_.end_reason());
     return summary;

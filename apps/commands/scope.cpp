@@ -94,7 +94,8 @@ Exit scope(const ScopeOptions& options) {
             "it");
     }
     scope::PageServer server(address, scope::new_token());
-    scope::ScopeSession session(std::move(targets), server, stop);
+    scope::ScopeSession session(std::move(targets), server, stop,
+                                [](const std::string& text) { spdlog::warn("{}", text); });
     spdlog::info("scope {}", server.url());
     if (address.host == "0.0.0.0" || address.host == "::") {
         spdlog::info("from another machine, put this one's address in place of {}", address.host);
@@ -102,8 +103,9 @@ Exit scope(const ScopeOptions& options) {
     while (!stop) {
         session.advance();
     }
+    const bool saved = session.finish();
     print_summary(session.summary(), options.format);
-    return Exit::done;
+    return saved ? Exit::done : Exit::failed;
 }
 
 }  // namespace

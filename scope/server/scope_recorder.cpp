@@ -14,6 +14,7 @@
 #include "core/scene/json.hpp"
 #include "measures/provenance.hpp"
 #include "recordings/columns.hpp"
+#include "recordings/recording_formats.hpp"
 
 namespace hertzline::scope {
 
@@ -34,8 +35,9 @@ std::int64_t epoch_of(const Json& json) {
 
 }  // namespace
 
-ScopeRecorder::ScopeRecorder(std::optional<std::filesystem::path> folder, const std::atomic<bool>& stop)
-    : folder_(std::move(folder)), stop_(stop) {}
+ScopeRecorder::ScopeRecorder(std::optional<std::filesystem::path> folder, const std::atomic<bool>& stop,
+                             std::function<void(const std::string&)> report)
+    : folder_(std::move(folder)), stop_(stop), report_(std::move(report)) {}
 
 ScopeRecorder::~ScopeRecorder() {
     end();
@@ -63,6 +65,11 @@ std::optional<std::string> ScopeRecorder::begin(Tap tap, const std::string& endi
     if (error) {
         return fmt::format("{}: {}", folder_->string(), error.message());
     }
+    try {
+        recordings::require_writable(path(number));
+    } catch (const std::exception& unwritable) {
+        return unwritable.what();
+    }
     file_ = path(number).string();
     tap_ = tap;
     run_.clear();
@@ -88,12 +95,28 @@ void ScopeRecorder::end() {
 
 void ScopeRecorder::advance() {
     if (is_being_saved_ && saved_.wait_for(std::chrono::seconds(0)) == std::future_status::ready) {
-        const recordings::RecordingSet::Status status = saved_.get();
-        is_being_saved_ = false;
-        text_ = status.failure.empty() ? "saved" : status.failure;
-        samples_ = status.samples;
-        missing_ += static_cast<std::uint64_t>(status.missing);
+        take_result();
     }
+}
+
+void ScopeRecorder::finish() {
+    end();
+    if (is_being_saved_) {
+        take_result();
+    }
+}
+
+/// Waits until the recording is saved.
+void ScopeRecorder::take_result() {
+    const recordings::RecordingSet::Status& status = finished_.emplace_back(saved_.get());
+    is_being_saved_ = false;
+    text_ = status.failure.empty() ? "saved" : status.failure;
+    if (!status.warning.empty()) {
+        text_ += "; " + status.warning;
+        report_(fmt::format("recording {}: {}", status.file, status.warning));
+    }
+    samples_ = status.samples;
+    missing_ += static_cast<std::uint64_t>(status.missing);
 }
 
 void ScopeRecorder::take(stream::RunReceiver& run, const stream::ReceivedFrame& frame, const Json& meta) {
@@ -116,6 +139,7 @@ void ScopeRecorder::take(stream::RunReceiver& run, const stream::ReceivedFrame& 
             set_ = std::make_unique<recordings::RecordingSet>(
                 std::array{file_}, head, recordings::RecordingPatience::none(stop_),
                 [this](const std::string& text) {
+                    report_(text);
                     if (!is_being_saved_) {  // else the status tells, and this is another thread
                         text_ = text;
                     }
@@ -123,6 +147,8 @@ void ScopeRecorder::take(stream::RunReceiver& run, const stream::ReceivedFrame& 
         } catch (const std::exception& error) {
             tap_.reset();
             text_ = error.what();
+            finished_.push_back({.file = file_, .failure = text_});
+            report_(text_);
             return;
         }
         known_epoch_ = epoch_of(head.provenance);

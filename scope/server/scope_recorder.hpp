@@ -3,10 +3,12 @@
 
 #include <atomic>
 #include <filesystem>
+#include <functional>
 #include <future>
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "core/scene/json.hpp"
 #include "hertzline/taps.hpp"
@@ -23,7 +25,9 @@ public:
 
     /// @param folder where recordings go; unset: none may be made
     /// @param stop set: recordings wait no longer for their files
-    ScopeRecorder(std::optional<std::filesystem::path> folder, const std::atomic<bool>& stop);
+    /// @param report takes a message when a recording fails or is too slow, in any thread
+    ScopeRecorder(std::optional<std::filesystem::path> folder, const std::atomic<bool>& stop,
+                  std::function<void(const std::string&)> report);
     ~ScopeRecorder();
     ScopeRecorder(const ScopeRecorder&) = delete;
     ScopeRecorder& operator=(const ScopeRecorder&) = delete;
@@ -35,6 +39,8 @@ public:
     void end();
     /// Looks whether it is saved.
     void advance();
+    /// Ends a recording that is on, and waits until it is saved.
+    void finish();
     /// Also while it is being saved.
     bool is_on() const noexcept { return tap_.has_value() || is_being_saved_; }
     std::optional<Tap> tap() const noexcept { return tap_; }
@@ -44,10 +50,16 @@ public:
 
     /// Returns file, counts of samples and of missing ones, and a text, for the pages.
     Json state() const;
+    /// Returns those that are over, in their order.
+    const std::vector<recordings::RecordingSet::Status>& finished() const noexcept { return finished_; }
 
 private:
+    void take_result();
+
     std::optional<std::filesystem::path> folder_;
     const std::atomic<bool>& stop_;
+    std::function<void(const std::string&)> report_;
+    std::vector<recordings::RecordingSet::Status> finished_;
     std::optional<Tap> tap_;
     std::string file_;
     std::string run_;

@@ -55,13 +55,14 @@ const char* word(LiveListener::State state) {
 
 }  // namespace
 
-ScopeSession::ScopeSession(ScopeTargets targets, PageServer& server, const std::atomic<bool>& stop)
+ScopeSession::ScopeSession(ScopeTargets targets, PageServer& server, const std::atomic<bool>& stop,
+                           std::function<void(const std::string&)> report)
     : targets_(std::move(targets)),
       server_(server),
       listener_(
           targets_.stream, targets_.curve,
           [this](stream::RunReceiver& run, const stream::ReceivedFrame& frame) { take_frame(run, frame); }),
-      recorder_(targets_.recordings, stop),
+      recorder_(targets_.recordings, stop, std::move(report)),
       knobs_(targets_.control, targets_.curve) {}
 
 void ScopeSession::take_frame(stream::RunReceiver& run, const stream::ReceivedFrame& frame) {
@@ -236,9 +237,17 @@ void ScopeSession::deliver() {
     }
 }
 
+bool ScopeSession::finish() {
+    recorder_.finish();
+    return std::ranges::all_of(recorder_.finished(),
+                               [](const auto& recording) { return recording.failure.empty(); });
+}
+
 Json ScopeSession::summary() const {
-    return {
-        {"endpoint", targets_.stream}, {"pages_opened", opened_}, {"pages_dropped", server_.dropped_pages()}};
+    return {{"endpoint", targets_.stream},
+            {"pages_opened", opened_},
+            {"pages_dropped", server_.dropped_pages()},
+            {"recordings", recordings::recordings_json(recorder_.finished())}};
 }
 
 }  // namespace hertzline::scope

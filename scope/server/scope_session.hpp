@@ -3,6 +3,7 @@
 
 #include <atomic>
 #include <filesystem>
+#include <functional>
 #include <map>
 #include <optional>
 #include <string>
@@ -28,13 +29,18 @@ struct ScopeTargets {
 /// For one thread: the one that listens.
 class ScopeSession {
 public:
+    /// @param report takes a message when a recording fails or is too slow, in any thread
     /// @throws std::runtime_error as Listener does
-    ScopeSession(ScopeTargets targets, PageServer& server, const std::atomic<bool>& stop);
+    ScopeSession(ScopeTargets targets, PageServer& server, const std::atomic<bool>& stop,
+                 std::function<void(const std::string&)> report);
 
     /// Listens for some milliseconds, then serves the pages.
     void advance();
 
-    /// Returns the endpoint, and counts of pages that were opened and dropped.
+    /// Ends a recording that is on. @returns whether all recordings are complete
+    bool finish();
+
+    /// Returns the endpoint, counts of pages that were opened and dropped, and the recordings.
     Json summary() const;
 
 private:

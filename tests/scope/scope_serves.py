@@ -60,6 +60,11 @@ class Process:
         self.process.send_signal(signal.SIGINT)
         self.process.wait(LONG_ENOUGH_S)
 
+    def summary(self):
+        """Interrupts a scope with --json."""
+        self.interrupt()
+        return json.loads(self.process.stdout.read())
+
 
 class Stand:
     def __init__(self, program, folder):
@@ -70,8 +75,9 @@ class Stand:
         # The stream of a loaded machine falls behind, and drops nothing.
         return Process(self.program, "stream", scene, "--bind", self.endpoint, "--pace", pace, "--on-overrun", "wait", *words)
 
-    def scope(self, *words):
-        scope = Process(self.program, "scope", "--connect", self.endpoint, "--http", "127.0.0.1:0", "--record-to", self.folder, *words)
+    def scope(self, *words, record_to=None):
+        scope = Process(self.program, "scope", "--connect", self.endpoint, "--http", "127.0.0.1:0",
+                        "--record-to", record_to or self.folder, *words)
         scope.url = scope.said("scope")
         return scope
 
@@ -451,8 +457,7 @@ def who_does_not_read_is_dropped(stand):
                     good.receive()
             except ConnectionError:
                 pass
-        scope.interrupt()
-        summary = json.loads(scope.process.stdout.read())
+        summary = scope.summary()
         assert summary["pages_opened"] == 2 and summary["pages_dropped"] == 1, summary
         stream.interrupt()
     stand.check(picture)
@@ -486,7 +491,7 @@ def the_scene_and_what_is_heard_are_saved(stand):
         (stand.folder / "saved.toml").write_text(toml)
         run = subprocess.run([stand.program, "run", stand.folder / "saved.toml", "--json"], check=True, capture_output=True)
         assert json.loads(run.stdout)["scene_hash"] == scene_hash
-    with stand.stream(), PageSocket((scope := stand.scope()).url) as page, scope:
+    with stand.stream(), PageSocket((scope := stand.scope("--json")).url) as page, scope:
         page.say({"record": {"stream": "v_last", "ending": "sigmf-meta"}})
         page.text(lambda m: "recording" in m and m["recording"]["samples"] > 50_000)
         page.say({"record": None})
@@ -497,17 +502,30 @@ def the_scene_and_what_is_heard_are_saved(stand):
         first = meta["captures"][0].get("core:global_index", 0)
         page.say({"record": {"stream": "v_last", "ending": "../../x"}})
         page.text(lambda m: any("record" in r.get("error", "") for r in m.get("replies", [])))
+        page.say({"record": {"stream": "v_out", "ending": "npy"}})
+        page.text(lambda m: "recording" in m and m["recording"]["samples"] > 1000)
+        summary = scope.summary()  # of a scope that is ended meanwhile
+        assert scope.process.returncode == 0
     assert np.array_equal(data, stand.samples(first + len(data), "v_last")[first:])
+    assert [r["status"] for r in summary["recordings"]] == ["complete"] * 2, summary
+    assert len(np.load(summary["recordings"][1]["file"])) == summary["recordings"][1]["samples"] > 1000, summary
 
 
 def a_recording_that_cannot_be_written_is_over(stand):
-    with stand.stream(), PageSocket((scope := stand.scope()).url) as page, scope:
+    with stand.stream(), PageSocket((scope := stand.scope("--json")).url) as page, scope:
         largest = 200_000  # bytes of a file
         resource.prlimit(scope.process.pid, resource.RLIMIT_FSIZE, (largest, largest))
         page.say({"record": {"stream": "v_last", "ending": "csv"}})
         page.text(lambda m: "recording" in m and m["recording"]["on"])
         state = page.text(lambda m: "recording" in m and not m["recording"]["on"])["recording"]
+        summary = scope.summary()
+        assert scope.process.returncode == 1
     assert "File too large" in state["text"] and 0 < state["samples"] < largest, state
+    assert "File too large" in summary["recordings"][0]["status"], summary
+    with stand.stream(), PageSocket((scope := stand.scope(record_to="/proc")).url) as page, scope:
+        page.say({"record": {"stream": "v_last", "ending": "csv"}})
+        reply = page.text(lambda m: "replies" in m)["replies"][0]
+    assert "cannot write /proc/scope-v_last" in reply["error"], reply
 
 
 def knobs_ask_the_stream(stand):

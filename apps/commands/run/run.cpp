@@ -253,7 +253,7 @@ Exit run(const RunOptions& options) {
         spdlog::error("stopped before the summary");
         return Exit::failed;
     }
-    run.recordings = recordings::recordings_json(recordings);
+    run.recordings = recordings::recordings_json(recordings.status());
     measure(run, options.band_from_hz);
     print_run(run, session, options.format);
     return recordings.complete() && saved ? Exit::done : Exit::failed;

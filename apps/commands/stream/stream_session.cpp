@@ -77,7 +77,7 @@ void StreamSession::add_to(Json& summary, const stream::StreamMeters& meters) {
     }
     take_news(now_->estimate.finish(meters.motion));
     const Scene& last = now_->resolved.scene;
-    summary["recordings"] = recordings::recordings_json(recordings_);
+    summary["recordings"] = recordings::recordings_json(recordings_.status());
     summary["steps"] = meters.account.steps;
     summary["step_s"] = *last.numerics.step_s;
     summary["integrator"] = word(*last.numerics.integrator);
