@@ -5,6 +5,8 @@
 #include <cstdint>
 #include <iterator>
 #include <map>
+#include <ranges>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -110,7 +112,9 @@ bool is_size(std::string_view text) {
 
 }  // namespace
 
-void add_publish_options(CLI::App& app, PublishRequest& request) {
+void add_publish_options(CLI::App& app, PublishRequest& request, const std::string& usual_on_overrun) {
+    const std::map<std::string, stream::OnOverrun> on_overrun_words{{"drop", stream::OnOverrun::drop},
+                                                                    {"wait", stream::OnOverrun::wait}};
     app.add_option("--bind", request.endpoint, "where to publish: tcp://HOST:PORT or ipc://PATH")
         ->type_name("ENDPOINT")
         ->capture_default_str();
@@ -126,15 +130,15 @@ void add_publish_options(CLI::App& app, PublishRequest& request) {
         "hold back sample 0 until a stream has a subscriber");
     app.add_option("--on-overrun", request.on_overrun,
                    "treatment of a frame whose time has passed while the program was held up: drop it and "
-                   "count it, or wait and fall behind (default: drop; where samples are recorded: wait)")
-        ->transform(
-            CLI::CheckedTransformer(std::map<std::string, stream::OnOverrun>{
-                                        {"drop", stream::OnOverrun::drop}, {"wait", stream::OnOverrun::wait}})
-                .description(""))
+                   "count it, or wait and fall behind (default: " +
+                       usual_on_overrun + ")")
+        ->transform(CLI::CheckedTransformer(on_overrun_words).description(""))
         ->transform(CLI::Validator(  // runs before the other, whose message is another
-            [](std::string& text) {
-                return text == "drop" || text == "wait" ? std::string()
-                                                        : "found " + text + ", allowed: drop, wait";
+            [on_overrun_words](std::string& text) {
+                return on_overrun_words.contains(text)
+                           ? std::string()
+                           : fmt::format("found {}, allowed: {}", text,
+                                         fmt::join(std::views::keys(on_overrun_words), ", "));
             },
             ""))
         ->type_name("drop|wait");

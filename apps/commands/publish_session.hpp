@@ -29,8 +29,9 @@ struct PublishRequest {
     Format format = Format::text;
 };
 
-/// Adds these options to a subcommand. `request` must outlive the parsing.
-void add_publish_options(CLI::App& app, PublishRequest& request);
+/// Adds these options to a subcommand. `request` must outlive the parsing. @param usual_on_overrun the default of --on-overrun, as
+/// --help has it
+void add_publish_options(CLI::App& app, PublishRequest& request, const std::string& usual_on_overrun);
 
 /// Reads the keys of the request; unset when it asks for no encryption. Adds the faults of all its options.
 std::optional<stream::CurveServer> checked_curve(const PublishRequest& request, Faults& faults);

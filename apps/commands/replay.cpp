@@ -123,7 +123,7 @@ Run replay_command(CLI::App& app) {
     app.add_option("--sample-rate", arguments->sample_rate_hz,
                    "sample rate of a file without one, or in place of its own")
         ->type_name("HZ");
-    add_publish_options(app, arguments->publish);
+    add_publish_options(app, arguments->publish, "drop");
     app.footer(replay_examples);
     return [arguments] { return replay(*arguments); };
 }

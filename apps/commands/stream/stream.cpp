@@ -304,7 +304,7 @@ Run stream_command(CLI::App& app) {
         ->type_name("FILE");
     add_columns_option(app, arguments->columns, streamed_taps);
     add_wav_scale_option(app, arguments->wav_scale);
-    add_publish_options(app, arguments->publish);
+    add_publish_options(app, arguments->publish, "drop; where samples are recorded: wait");
     add_control_options(app, arguments->control);
     add_scope_child_options(app, arguments->scope);
     app.footer(examples);
