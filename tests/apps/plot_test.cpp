@@ -209,13 +209,13 @@ TEST(Plot, MarksLiveChanges) {
 TEST(Plot, DrawsSeveralRecordingsOverEachOther) {
     const TemporaryFolder folder;
     write_impulse(folder.file("a.npy"), 5000, 10, 0.5);
-    write_text(folder.file("b.csv"), "t_s,probe_v\n0,0\n1e-6,0.125\n2e-6,0\n");
+    write_text(folder.file("_b$1$.csv"), "t_s,probe_v\n0,0\n1e-6,0.125\n2e-6,0\n");
     const Outcome both =
-        hertzline({"plot", folder.file("a.npy"), folder.file("b.csv"), "-o", folder.file("both.svg")});
+        hertzline({"plot", folder.file("a.npy"), folder.file("_b$1$.csv"), "-o", folder.file("both.svg")});
     ASSERT_EQ(both.status, 0) << both.err;
     EXPECT_THAT(contents(folder.file("both.svg")),
-                AllOf(HasSubstr("a.npy: peak 0.5"), HasSubstr("b.csv: peak 0.125"),
-                      HasSubstr("a.npy: \u221220 dB"), HasSubstr("b.csv: \u221220 dB")));
+                AllOf(HasSubstr("a.npy: peak 0.5"), HasSubstr("_b$1$.csv: peak 0.125"),
+                      HasSubstr("a.npy: \u221220 dB"), HasSubstr("_b$1$.csv: \u221220 dB")));
     hertzline({"run", "paper-vitreous-carbon", "-o", folder.file("c.h5")});
     hertzline({"run", "paper-vitreous-carbon", "-o", folder.file("d.wav"), "--set", "chain.preload_n=0.2",
                "--wav-scale", "2"});
@@ -224,8 +224,8 @@ TEST(Plot, DrawsSeveralRecordingsOverEachOther) {
     ASSERT_EQ(one.status, 0) << one.err;
     EXPECT_THAT(contents(folder.file("one.svg")),
                 AllOf(HasSubstr("c.h5: peak"), HasSubstr("d.wav: peak"), Not(HasSubstr("v_last"))));
-    const Outcome wrong = hertzline({"plot", folder.file("c.h5"), folder.file("b.csv"), "--columns", "f_last",
-                                     "-o", folder.file("x.svg")});
+    const Outcome wrong = hertzline({"plot", folder.file("c.h5"), folder.file("_b$1$.csv"), "--columns",
+                                     "f_last", "-o", folder.file("x.svg")});
     EXPECT_EQ(wrong.status, 2);
     EXPECT_THAT(wrong.err, HasSubstr("allowed: v_last, v_plate, v_out"));
 }

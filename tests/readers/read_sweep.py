@@ -65,6 +65,8 @@ with tempfile.TemporaryDirectory() as name:
         dataset = file["points"]
         assert dataset.compression == "gzip" and dataset.chunks is not None
         table = dataset[:]
+        texts = [name for name in table.dtype.names if table.dtype[name].kind == "S"]
+        assert texts and all(h5py.check_string_dtype(dataset.dtype[name]).encoding == "utf-8" for name in texts)
         provenance = json.loads(file.attrs["provenance"])
         check_table(table, dataset.attrs["units"], names, rows, metadata)
         check_waveforms(folder, table, file["v_out"])

@@ -23,6 +23,11 @@ class WrongUse(ValueError):
     """An option that the file cannot satisfy."""
 
 
+def plain_text(text):
+    """The text as matplotlib shows it: not as mathematics, and not left out because it begins with an underscore."""
+    return (" " if text.startswith("_") else "") + text.replace("$", r"\$")
+
+
 def use_style(**more):
     matplotlib.rcParams.update(STYLE | {"font.size": 9} | more)
 

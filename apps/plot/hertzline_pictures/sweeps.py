@@ -5,7 +5,7 @@ import numpy as np
 
 from .recordings import recording_of
 from .spectra import HARMONICS, levels_up_to, prepare_spectrum, spectrum
-from .style import COLOURS, WrongUse, note, titled, unit_of_time, use_style
+from .style import COLOURS, WrongUse, plain_text, note, titled, unit_of_time, use_style
 from .tables import MAX_WAVEFORMS, read_waveforms
 from .waveforms import draw, draw_waveform
 
@@ -34,7 +34,7 @@ def groups_of(sweep):
     if not others:
         return key, [(None, np.full(len(sweep.status), True))]
     word = sweep.columns[others[0]]
-    return key, [(w, word == w) for w in dict.fromkeys(word)]
+    return key, [(plain_text(w), word == w) for w in dict.fromkeys(word)]
 
 
 def draw_curves(axes, sweep, quantity):

@@ -7,7 +7,7 @@ from matplotlib.collections import LineCollection
 
 from .recordings import MAX_STRETCHES, furthest_from_0
 from .spectra import HARMONICS, draw_spectrum, prepare_spectrum
-from .style import COLOURS, note, scale_of_unit, titled, unit_of_time, use_style
+from .style import COLOURS, plain_text, note, scale_of_unit, titled, unit_of_time, use_style
 
 FEWEST_ROWS = 4  # of a map of a chain over time; fewer spheres have a waveform each
 OF_CHAIN = {"v_chain": "velocity", "x_chain": "displacement", "f_chain": "force"}
@@ -110,7 +110,7 @@ def draw_panel(wave, lines, panel, colours, ends, unit_s, highest, drive, many):
         draw_waveform(wave, recording, column, unit_s, scale, colour)
         draw_record(wave, recording, column, unit_s, scale)
         mark_epochs(wave, recording, unit_s, colour if many else "#555555")
-        before = f"{recording.name}: ".replace("$", r"\$") if many else ""
+        before = plain_text(f"{recording.name}: ") if many else ""
         peaks.append(f"{before}peak {largest_of(recording, column) + 0:.3g}")  # + 0: silence has no sign
         part = recording.parts[column]
         bands.append(before + draw_spectrum(lines, part, recording.rate, recording.drive or drive, highest, colour))
@@ -128,7 +128,7 @@ def draw_panel(wave, lines, panel, colours, ends, unit_s, highest, drive, many):
     name, quantity, of = recording.columns[column]
     label = quantity if name.startswith(quantity) else name
     of = f"{of} \u00d7 {scale:g}".strip() if scale != 1 else of
-    wave.set_ylabel(f"{label} [{of}]" if of else label)
+    wave.set_ylabel(plain_text(f"{label} [{of}]" if of else label))
     lines.set_ylabel("level [dB]")
 
 

@@ -4,7 +4,10 @@
 #include <optional>
 #include <vector>
 
+#include <fmt/format.h>
+
 #include "core/scene/json.hpp"
+#include "core/scene/text.hpp"
 #include "recordings/checked_writer.hpp"
 #include "recordings/files/output_file.hpp"
 #include "recordings/formats/csv/csv.hpp"
@@ -150,6 +153,16 @@ private:
     bool committed_ = false;
 };
 
+/// The name as a relative URL (RFC 3986).
+std::string url_of(const std::string& name) {
+    std::string url;
+    for (const char c : name) {
+        const bool is_unreserved = is_bare_key({&c, 1}) || c == '.' || c == '~';
+        url += is_unreserved ? std::string(1, c) : fmt::format("%{:02X}", static_cast<unsigned char>(c));
+    }
+    return url;
+}
+
 }  // namespace
 
 std::filesystem::path csv_metadata_path(const std::filesystem::path& csv) {
@@ -170,7 +183,7 @@ std::string csv_metadata(const std::filesystem::path& csv, std::span<const CsvCo
         described.push_back(std::move(column));
     }
     Json json{{"@context", "http://www.w3.org/ns/csvw"},
-              {"url", csv.filename().string()},
+              {"url", url_of(csv.filename().string())},
               {"tableSchema", {{"columns", described}, {"primaryKey", columns.front().about.name}}}};
     if (sample_rate_hz) {
         json[own_key("sample_rate_hz")] = *sample_rate_hz;

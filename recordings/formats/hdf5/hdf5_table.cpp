@@ -50,6 +50,7 @@ Hdf5Object type_of(const TableColumn& column) {
     if (column.kind == CellKind::text) {
         Hdf5Object type(H5Tcopy(H5T_C_S1), H5Tclose);
         hdf5(H5Tset_size(type.id(), column.bytes));
+        hdf5(H5Tset_cset(type.id(), H5T_CSET_UTF8));
         return type;
     }
     return {H5Tcopy(column.kind == CellKind::integer ? H5T_STD_I64LE : H5T_IEEE_F64LE), H5Tclose};

@@ -81,6 +81,9 @@ TEST(Csv, MetadataBesideItSayWhatTheColumnsAreAndWhereTheyComeFrom) {
     const json metadata = json::parse(contents(folder.file("a.csv-metadata.json")));
     EXPECT_EQ(metadata["@context"], "http://www.w3.org/ns/csvw");
     EXPECT_EQ(metadata["url"], "a.csv");
+    EXPECT_EQ(Json::parse(csv_metadata("b/m%\u00fc#x?y:z-1.csv",
+                                       std::vector{CsvColumn{{"t_s", "", "s"}, "double"}}, {}))["url"],
+              "m%25%C3%BC%23x%3Fy%3Az-1.csv");
     EXPECT_EQ(metadata["urn:hertzline:provenance"]["version"], "1.2.3");
     const json& columns = metadata["tableSchema"]["columns"];
     ASSERT_EQ(columns.size(), 3U);
