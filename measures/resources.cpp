@@ -15,6 +15,8 @@
 #include <sys/statvfs.h>
 #include <unistd.h>
 
+#include "core/scene/text.hpp"
+
 namespace hertzline::measures {
 namespace fs = std::filesystem;
 namespace {
@@ -249,8 +251,8 @@ std::optional<std::string> disk_shortage(const fs::path& path, double needed_byt
     if (fits(needed_bytes, available)) {
         return std::nullopt;
     }
-    return path.string() + " needs " + human_bytes(needed_bytes) + " of disk, " + amount(available) +
-           " is free";
+    return printable_whole(path.string()) + " needs " + human_bytes(needed_bytes) + " of disk, " +
+           amount(available) + " is free";
 }
 
 std::optional<std::string> disk_shortage(const fs::path& path, double needed_bytes) {

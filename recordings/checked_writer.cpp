@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "core/scene/json.hpp"
+#include "core/scene/text.hpp"
 #include "recordings/files/staged_file.hpp"
 #include "recordings/recording_head.hpp"
 
@@ -16,7 +17,7 @@ namespace hertzline::recordings {
 CheckedWriter::CheckedWriter(std::filesystem::path path, RecordingHead head)
     : path_(std::move(path)), head_(std::move(head)) {
     if (const auto fault = head_fault(head_)) {
-        throw std::invalid_argument(path_.string() + ": " + *fault);
+        throw std::invalid_argument(printable_whole(path_.string()) + ": " + *fault);
     }
 }
 
@@ -80,8 +81,8 @@ void CheckedWriter::save() noexcept {
 void CheckedWriter::take(std::int64_t first, std::span<const double> values) {
     if (values.size() % head_.columns.size() != 0 || first < due_) {
         throw std::invalid_argument(
-            fmt::format("{}: found {} values from sample {}, allowed: {} a row from {} on", path_.string(),
-                        values.size(), first, head_.columns.size(), due_));
+            fmt::format("{}: found {} values from sample {}, allowed: {} a row from {} on",
+                        printable_whole(path_.string()), values.size(), first, head_.columns.size(), due_));
     }
     require_finite(first, values);
     if (rows_ == 0 || first != due_) {
@@ -122,7 +123,7 @@ void CheckedWriter::commit() {
 
 void CheckedWriter::keep() noexcept {
     if (!over_) {
-        failure_ = path_.string() + " was ended before it was complete";
+        failure_ = printable_whole(path_.string()) + " was ended before it was complete";
         save();
     }
 }

@@ -27,19 +27,33 @@ namespace fs = std::filesystem;
 tl::expected<std::size_t, Fault> chosen_column(const std::vector<Column>& columns,
                                                const std::optional<std::string>& wanted) {
     const auto called = [&](std::string_view name) {
-        const auto found = std::ranges::find_if(columns, [&](const Column& column) {
-            return column.name == name || column.quantity == name ||
-                   fmt::format("{} ({})", column.name, column.unit) == name ||
-                   fmt::format("{} [{}]", column.name, column.unit) == name;
-        });
-        return found != columns.end() ? std::optional(static_cast<std::size_t>(found - columns.begin()))
-                                      : std::nullopt;
+        std::vector<std::size_t> found;
+        for (std::size_t i = 0; i < columns.size(); ++i) {
+            const Column& column = columns[i];
+            if (column.name == name || column.quantity == name ||
+                fmt::format("{} ({})", column.name, column.unit) == name ||
+                fmt::format("{} [{}]", column.name, column.unit) == name) {
+                found.push_back(i);
+            }
+        }
+        return found;
     };
     if (!wanted) {
-        return called("v_horn").value_or(0);  // of a recording of another run
+        const auto horn = called("v_horn");  // of a recording of another run
+        return horn.empty() ? 0 : horn.front();
     }
-    if (const auto found = called(in_ascii(*wanted))) {  // as the names are
-        return *found;
+    const auto found = called(column_text(*wanted, wanted->size()));  // a name that was cut is no column's
+    if (found.size() == 1) {
+        return found.front();
+    }
+    if (!found.empty()) {
+        std::vector<std::string> numbers;
+        std::ranges::transform(found, std::back_inserter(numbers),
+                               [](std::size_t i) { return std::to_string(i + 1); });
+        return tl::unexpected(
+            Fault{"drive.column",
+                  fmt::format("{}, as {} columns are called", quoted_briefly(*wanted), found.size()),
+                  "a number of a column: " + enumeration(numbers)});
     }
     if (const auto number = parsed_number<std::size_t>(*wanted);
         number && *number >= 1 && *number <= columns.size()) {
@@ -255,7 +269,8 @@ std::optional<Fault> read_drive(ParsedScene& parsed, const std::function<void(co
     }
     const auto warn_of_record = [&](const std::string& text) {
         if (warn) {
-            warn(fmt::format("{}{}drive.file: {}", parsed.origin, parsed.origin.empty() ? "" : ": ", text));
+            warn(fmt::format("{}{}drive.file: {}", printable_whole(parsed.origin),
+                             parsed.origin.empty() ? "" : ": ", text));
         }
     };
     try {

@@ -43,8 +43,8 @@ Parsed parse_recorded_scene(const Json& provenance, const std::string& origin,
                             std::span<const std::string> settings, const Warn& warn) {
     Json scene = OutsideJson(provenance).at("scene");
     if (!scene.is_object()) {
-        return tl::unexpected(std::vector{Fault{
-            "", "no scene in this recording", "scenes, and recordings of hertzline", {printable(origin)}}});
+        return tl::unexpected(std::vector{
+            Fault{"", "no scene in this recording", "scenes, and recordings of hertzline", {origin}}});
     }
     if (const Json& asked = OutsideJson(provenance).at("asked_numerics"); asked.is_object()) {
         scene["numerics"] = asked;
@@ -53,7 +53,7 @@ Parsed parse_recorded_scene(const Json& provenance, const std::string& origin,
     if (!recorded) {
         return tl::unexpected(recorded.error());
     }
-    Parsed parsed = with_record(parse_scene(to_toml(*recorded), printable(origin), settings), warn);
+    Parsed parsed = with_record(parse_scene(to_toml(*recorded), origin, settings), warn);
     // the lines are those of a text that no file has
     if (!parsed) {
         for (Fault& fault : parsed.error()) {
@@ -68,7 +68,7 @@ Parsed parse_recorded_scene(const Json& provenance, const std::string& origin,
         warn(
             fmt::format("{}: the scene is that of its beginning, without its {} changes, which hertzline "
                         "run repeats",
-                        parsed->origin, changes));
+                        printable_whole(parsed->origin), changes));
     }
     return parsed;
 }
@@ -91,7 +91,7 @@ tl::expected<ParsedScene, std::vector<Fault>> parse_named_scene(const std::strin
     try {
         provenance = provenance_of(name);
     } catch (const std::runtime_error& error) {
-        return tl::unexpected(std::vector{Fault{"", error.what(), "", {printable(name)}}});
+        return tl::unexpected(std::vector{Fault{"", error.what(), "", {name}}});
     }
     return provenance ? parse_recorded_scene(*provenance, name, settings, warn)
                       : with_record(parse_scene_file(name, settings), warn);

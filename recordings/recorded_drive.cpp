@@ -12,6 +12,7 @@
 #include "core/model/drive.hpp"
 #include "core/model/reconstruction.hpp"
 #include "core/scene/json.hpp"
+#include "core/scene/text.hpp"
 #include "recordings/recording_formats.hpp"
 
 namespace hertzline::recordings {
@@ -73,12 +74,13 @@ RecordedDrive::RecordedDrive(std::filesystem::path file, const Scene& scene, con
     if (head.columns.size() != 1 || head.sample_rate_hz != *drive_.sample_rate_hz) {
         throw std::runtime_error(fmt::format(
             "{}: {} columns at {:g} Hz, expected the samples of a live drive: one column at {:g} Hz",
-            file_.string(), head.columns.size(), head.sample_rate_hz, *drive_.sample_rate_hz));
+            printable_whole(file_.string()), head.columns.size(), head.sample_rate_hz,
+            *drive_.sample_rate_hz));
     }
     if (const std::string its = OutsideJson(head.provenance).text("run"); !run.empty() && its != run) {
         throw std::runtime_error(fmt::format("{}: the input of the run {}, expected that of the run {}",
-                                             file_.string(), its.empty() ? "that it does not name" : its,
-                                             run));
+                                             printable_whole(file_.string()),
+                                             its.empty() ? "that it does not name" : its, run));
     }
     std::int64_t samples = 0;
     for (RecordedRows rows; reader_->read(rows, portion_rows);) {

@@ -87,8 +87,8 @@ std::optional<std::string> recording_fault(const fs::path& path, Access access) 
     if (format != nullptr && is_allowed(*format, access)) {
         return std::nullopt;
     }
-    return path.string() + ": found the ending \"" + recording_ending(path) +
-           "\", allowed: " + recording_endings(access);
+    return printable_whole(path.string()) + ": found the ending " + quoted_briefly(recording_ending(path)) +
+           ", allowed: " + recording_endings(access);
 }
 
 fs::path recording_name(const fs::path& path) {

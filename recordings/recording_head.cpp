@@ -72,7 +72,7 @@ RecordingHead head_of(Json description, NumberType numbers) {
     try {
         description.at("sample_rate_hz").get_to(head.sample_rate_hz);
         for (const Json& column : description.at("columns")) {
-            head.columns.push_back({column.at(0), column.at(1), in_ascii(std::string(column.at(2)))});
+            head.columns.push_back({column.at(0), column.at(1), column_text(std::string(column.at(2)))});
         }
         head.provenance = std::move(description.at("provenance"));
     } catch (const Json::exception&) {

@@ -7,6 +7,7 @@
 
 #include <sqlite3.h>
 
+#include "core/scene/text.hpp"
 #include "recordings/files/input_file.hpp"
 #include "recordings/files/staged_file.hpp"
 
@@ -146,7 +147,7 @@ void Database::fail(int code) const {
     const int primary = code & primary_code;
     std::string reason = sqlite3_errstr(primary);
     if (primary == SQLITE_BUSY) {
-        throw std::runtime_error(path_.string() + " is in use by another sweep or search");
+        throw std::runtime_error(printable_whole(path_.string()) + " is in use by another sweep or search");
     }
     if (primary == SQLITE_NOMEM) {
         throw std::bad_alloc();

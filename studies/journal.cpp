@@ -129,7 +129,7 @@ void Journal::read_text(Use use) {
     if (use == Use::begin) {
         if (database_->number("SELECT count(*) FROM (SELECT 1 FROM points LIMIT 1)") > 0) {
             throw std::runtime_error(
-                path().string() +
+                printable_whole(path().string()) +
                 " is the journal of an unfinished sweep or search, allowed: --resume to continue it, "
                 "another -o FILE, or remove it");
         }
@@ -285,9 +285,9 @@ void Journal::replace_by(std::span<const std::string> files) {
             ::close(written);
         }
         if (!there) {
-            throw std::system_error(
-                reason, std::generic_category(),
-                fmt::format("cannot write {} to the disk, so {} is kept", file, path().string()));
+            throw std::system_error(reason, std::generic_category(),
+                                    fmt::format("cannot write {} to the disk, so {} is kept", file,
+                                                printable_whole(path().string())));
         }
     }
     remove();

@@ -114,8 +114,8 @@ bool is_search(const Json& identity) {
 
 std::string difference(const Member& member, const Json& found, const Json& wanted, std::string_view study) {
     constexpr std::size_t longest = 100;
-    const std::string there = found.dump();
-    const std::string here = wanted.dump();
+    const std::string there = json_text(found);
+    const std::string here = json_text(wanted);
     if (std::max(there.size(), here.size()) > longest) {
         return fmt::format("another {}", member.name);
     }

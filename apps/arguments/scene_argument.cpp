@@ -140,11 +140,12 @@ tl::expected<Resolution, std::vector<Fault>> resolved_scene(const SceneRequest& 
 }
 
 tl::expected<Resolution, std::vector<Fault>> resolved_scene(const ParsedScene& parsed, Lasting lasting) {
-    if (const auto shortage = measures::memory_shortage("simulating " + parsed.origin,
+    if (const auto shortage = measures::memory_shortage("simulating " + printable_whole(parsed.origin),
                                                         Simulation::memory_bytes(parsed.scene, {}))) {
         throw std::runtime_error(*shortage);
     }
-    std::optional<Notice> notice(parsed.origin + ": choosing the step by short simulations ...");
+    std::optional<Notice> notice(printable_whole(parsed.origin) +
+                                 ": choosing the step by short simulations ...");
     const bool endless =
         lasting == Lasting::endless || (lasting == Lasting::as_driven && awaits_samples(parsed.scene.drive));
     Resolution resolved = endless ? hertzline::resolve(parsed.scene, std::nullopt, nullptr, usable_threads())
@@ -157,7 +158,7 @@ tl::expected<Resolution, std::vector<Fault>> resolved_scene(const ParsedScene& p
         return tl::unexpected(std::move(resolved.faults));
     }
     for (const std::string& text : measures::scene_warnings(resolved)) {
-        spdlog::warn("{}: {}", parsed.origin, text);
+        spdlog::warn("{}: {}", printable_whole(parsed.origin), text);
     }
     return resolved;
 }

@@ -89,7 +89,8 @@ public:
             const ssize_t got = ::pread(file_.descriptor(), bytes.data() + done, bytes.size() - done,
                                         static_cast<off_t>(point * bytes.size() + done));
             if (got <= 0) {
-                throw std::runtime_error("cannot read the waveforms of " + file_.path().string() + " back");
+                throw std::runtime_error("cannot read the waveforms of " +
+                                         printable_whole(file_.path().string()) + " back");
             }
             done += static_cast<std::size_t>(got);
         }

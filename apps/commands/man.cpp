@@ -288,13 +288,14 @@ std::string scene_page(const CLI::App& program) {
 void write_page(const std::filesystem::path& folder, const std::string& name, int section,
                 const std::string& text) {
     const std::filesystem::path place = folder / fmt::format("man{}", section);
-    std::filesystem::create_directories(place);
+    std::error_code fault;
+    std::filesystem::create_directories(place, fault);
     const std::filesystem::path file = place / fmt::format("{}.{}", name, section);
     std::ofstream out(file, std::ios::binary);
     out << text;
     out.close();
     if (!out) {
-        throw std::runtime_error(fmt::format("{} cannot be written", printable(file.string())));
+        throw std::runtime_error(fmt::format("{} cannot be written", printable_whole(file.string())));
     }
 }
 

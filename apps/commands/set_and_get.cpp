@@ -99,6 +99,9 @@ Json request_of(const ControlOptions& arguments) {
             throw WrongUse(
                 fmt::format("found {}, allowed: KEY=VALUE, as drive.amplitude_m=2e-6", quoted_briefly(word)));
         }
+        if (!is_utf8(word)) {
+            throw WrongUse(fmt::format("found {}, allowed: UTF-8", quoted_briefly(word)));
+        }
         set[word.substr(0, equals)] = value_of(word.substr(equals + 1));
     }
     Json request{{"set", set}};

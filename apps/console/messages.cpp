@@ -7,11 +7,13 @@
 #include <memory>
 #include <string>
 
+#include <spdlog/pattern_formatter.h>
 #include <spdlog/sinks/ansicolor_sink.h>
 #include <spdlog/spdlog.h>
 #include <unistd.h>
 
 #include "apps/console/standard_stream.hpp"
+#include "core/scene/text.hpp"
 
 namespace hertzline::app {
 
@@ -70,6 +72,23 @@ ssize_t take(void* /*cookie*/, const char* text, std::size_t size) {
     return static_cast<ssize_t>(size);
 }
 
+/// A message with '?' for each character that a terminal acts on, but for the ends of lines.
+class PlainMessage final : public spdlog::custom_flag_formatter {
+public:
+    void format(const spdlog::details::log_msg& message, const std::tm& /*time*/,
+                spdlog::memory_buf_t& formatted) override {
+        std::string_view separator;
+        for (const std::string_view line : split({message.payload.data(), message.payload.size()}, '\n')) {
+            formatted.append(separator);
+            formatted.append(printable_whole(line));
+            separator = "\n";
+        }
+    }
+    std::unique_ptr<spdlog::custom_flag_formatter> clone() const override {
+        return std::make_unique<PlainMessage>();
+    }
+};
+
 }  // namespace
 
 bool stderr_is_terminal() {
@@ -85,7 +104,9 @@ void send_messages_to_stderr() {
     const auto colour = colourful ? spdlog::color_mode::always : spdlog::color_mode::never;
     using Sink = spdlog::sinks::ansicolor_sink<spdlog::details::console_nullmutex>;
     auto logger = std::make_shared<spdlog::logger>("hertzline", std::make_shared<Sink>(file, colour));
-    logger->set_pattern("%^%l%$: %v");
+    auto formatter = std::make_unique<spdlog::pattern_formatter>();
+    formatter->add_flag<PlainMessage>('*').set_pattern("%^%l%$: %*");
+    logger->set_formatter(std::move(formatter));
     spdlog::set_default_logger(std::move(logger));
     // A reader that goes away is an error of writing, with a message and a clean end, not a sudden death.
     std::signal(SIGPIPE, SIG_IGN);

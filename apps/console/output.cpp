@@ -11,6 +11,7 @@
 #include <unistd.h>
 
 #include "apps/console/standard_stream.hpp"
+#include "core/scene/text.hpp"
 
 namespace hertzline::app {
 
@@ -21,7 +22,9 @@ std::string value_text(const Json& value) {
         return "-";
     }
     if (value.is_string()) {
-        return value.get_ref<const std::string&>().empty() ? "-" : value.get<std::string>();
+        return value.get_ref<const std::string&>().empty()
+                   ? "-"
+                   : printable_whole(value.get_ref<const std::string&>());
     }
     if (value.is_number_float()) {
         return fmt::format("{:.6g}", value.get<double>());

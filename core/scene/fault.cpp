@@ -4,7 +4,7 @@
 namespace hertzline {
 
 std::string Fault::message() const {
-    std::string text = place.origin;
+    std::string text = printable_whole(place.origin);
     if (place.line > 0) {
         text += ':' + std::to_string(place.line);
     }

@@ -276,7 +276,8 @@ std::optional<Fault> value_fault(const Scene& scene, const SceneKey& key, const 
             return material_fault(scene, key, *text);
         }
         if (key.traits.is_text) {
-            return !text->empty() && text->size() <= longest_text
+            return !text->empty() && text->size() <= longest_text && is_utf8(*text) &&
+                           text->find('\0') == std::string::npos
                        ? std::nullopt
                        : std::optional(Fault{key.name, quoted_briefly(*text), key.allowed()});
         }

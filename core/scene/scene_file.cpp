@@ -21,7 +21,7 @@ namespace {
 namespace fs = std::filesystem;
 
 Fault unreadable(const std::string& name, int reason) {
-    return {"", "cannot read the scene: " + std::generic_category().message(reason), "", {printable(name)}};
+    return {"", "cannot read the scene: " + std::generic_category().message(reason), "", {name}};
 }
 
 /// Reads the whole file, or one byte more than is allowed: enough to refuse it.
@@ -47,7 +47,7 @@ tl::expected<std::string, Fault> text_of_file(const std::string& name) {
     }
     if (text.size() > max_scene_bytes) {
         const std::string most = std::to_string(max_scene_bytes) + " bytes";
-        return tl::unexpected(Fault{"", "more than " + most, "at most " + most, {printable(name)}});
+        return tl::unexpected(Fault{"", "more than " + most, "at most " + most, {name}});
     }
     return text;
 }
@@ -62,7 +62,7 @@ Fault unknown_scene(const std::string& name) {
     return {"",
             "no such file or shipped scene",
             "a file, or one of " + comma_separated(shipped) + suggestion(stem, shipped),
-            {printable(name)}};
+            {name}};
 }
 
 tl::expected<std::string, Fault> text_of(const std::string& name) {
@@ -88,7 +88,7 @@ tl::expected<ParsedScene, std::vector<Fault>> parse_scene_file(const std::string
     if (!text) {
         return tl::unexpected(std::vector{text.error()});
     }
-    return parse_scene(*text, printable(name), settings);
+    return parse_scene(*text, name, settings);
 }
 
 Scene read_scene(const std::string& name) {

@@ -276,7 +276,8 @@ std::string SceneKey::allowed() const {
             break;
     }
     if (traits.is_text) {
-        return "a text of at most " + number_text(std::int64_t{longest_text}) + " characters";
+        return "a text in UTF-8 of at most " + number_text(std::int64_t{longest_text}) +
+               " bytes, none of them 0";
     }
     if (is_material) {
         return traits.sort == MaterialSort::solid ? "the name of a solid" : "the name of a fluid";

@@ -22,11 +22,32 @@ std::string shortest(Number value) {
     return {buffer.data(), end};
 }
 
-// Whether a terminal acts on the character: control characters (C0, DEL, C1), ends of lines and paragraphs, and the embeddings,
-// overrides and isolates of the bidirectional algorithm (Unicode Standard Annex 9).
-constexpr bool is_acted_on(char32_t code) {
-    return code < 0x20 || (code >= 0x7F && code < 0xA0) || (code >= 0x2028 && code <= 0x202E) ||
-           (code >= 0x2066 && code <= 0x2069);
+struct Codes {
+    char32_t first;
+    char32_t last;
+};
+
+// The characters that a terminal acts on, or that it does not show: control characters (C0, DEL, C1), ends of lines and
+// paragraphs, marks, embeddings, overrides and isolates of the bidirectional algorithm (Unicode Standard Annex 9), and those
+// that Unicode calls default ignorable, but for the joiners U+200C and U+200D and the variation selectors, which belong to the
+// writing of some languages; noncharacters.
+constexpr std::array<Codes, 13> not_plain{{{0, 0x1F},
+                                           {0x7F, 0x9F},
+                                           {0xAD, 0xAD},
+                                           {0x61C, 0x61C},
+                                           {0x180E, 0x180E},
+                                           {0x200B, 0x200B},
+                                           {0x200E, 0x200F},
+                                           {0x2028, 0x202E},
+                                           {0x2060, 0x206F},
+                                           {0xFEFF, 0xFEFF},
+                                           {0xFFF9, 0xFFFB},
+                                           {0xFFFE, 0xFFFF},
+                                           {0xE0000, 0xE00FF}}};
+
+constexpr bool is_plain_code(char32_t code) {
+    return std::ranges::none_of(
+        not_plain, [=](const Codes& codes) { return code >= codes.first && code <= codes.last; });
 }
 
 // Takes a character, or a byte that is none, off the text. The text is not empty.
@@ -39,7 +60,7 @@ struct Taken {
 Taken take_character(std::string_view& text) {
     const Character first = first_character(text);
     const Taken taken{text.substr(0, std::max<std::size_t>(first.bytes, 1)),
-                      first.bytes > 0 && !is_acted_on(first.code),
+                      first.bytes > 0 && is_plain_code(first.code),
                       first.bytes > 0 ? first.code : static_cast<unsigned char>(text.front())};
     text.remove_prefix(taken.bytes.size());
     return taken;
@@ -133,6 +154,17 @@ Character first_character(std::string_view text) noexcept {
     return none ? Character{} : Character{bytes, code};
 }
 
+bool is_utf8(std::string_view text) noexcept {
+    while (!text.empty()) {
+        const std::size_t bytes = first_character(text).bytes;
+        if (bytes == 0) {
+            return false;
+        }
+        text.remove_prefix(bytes);
+    }
+    return true;
+}
+
 bool is_plain(std::string_view text) noexcept {
     while (!text.empty()) {
         if (!take_character(text).is_plain) {
@@ -180,12 +212,16 @@ std::string printable(std::string_view text, std::size_t max_length) {
     return text.size() <= max_length ? result : result + "...";
 }
 
-std::string in_ascii(std::string_view text, std::size_t max_length) {
+std::string printable_whole(std::string_view text) {
+    return printable(text, text.size());
+}
+
+std::string column_text(std::string_view text, std::size_t max_length) {
     std::string result;
     for (std::string_view rest = beginning(text, max_length); !rest.empty();) {
         const Taken next = take_character(rest);
         const bool is_micro = next.code == 0xB5 || next.code == 0x3BC;
-        result += is_micro ? "u" : next.is_plain && next.code < 0x80 ? next.bytes : "?";
+        result += is_micro ? "u" : next.is_plain ? next.bytes : "?";
     }
     return text.size() <= max_length ? result : result + "...";
 }

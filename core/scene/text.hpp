@@ -37,8 +37,11 @@ struct Character {
 /// The first character of a text that is not empty.
 Character first_character(std::string_view text) noexcept;
 
-/// Whether the text is UTF-8 without characters that a terminal acts on: control characters, ends of lines and paragraphs, and
-/// those that turn the direction of writing.
+/// Whether the text is UTF-8.
+bool is_utf8(std::string_view text) noexcept;
+
+/// Whether the text is UTF-8 without characters that a terminal acts on (control characters, ends of lines and paragraphs, those
+/// that turn the direction of writing) or that nobody sees.
 bool is_plain(std::string_view text) noexcept;
 
 /// The character as an escape of TOML: "\u00FC".
@@ -53,9 +56,11 @@ std::string quoted_briefly(std::string_view text);
 /// The text without quotes, for a message: all that is not plain becomes '?', and a longer text is cut [bytes].
 std::string printable(std::string_view text, std::size_t max_length = 120);
 
-/// The text with '?' for each character that is not printable ASCII, and u for either sign of micro (in UTF-8 or Latin-1), cut
-/// like printable(): for the names and units of columns.
-std::string in_ascii(std::string_view text, std::size_t max_length = 120);
+/// printable(), not cut: for the names of files.
+std::string printable_whole(std::string_view text);
+
+/// printable(), with u for either sign of micro (in UTF-8 or Latin-1): for the names and units of columns.
+std::string column_text(std::string_view text, std::size_t max_length = 120);
 
 /// Whether TOML accepts the text as a key without quotes: letters, digits, '_' and '-'.
 bool is_bare_key(std::string_view text) noexcept;

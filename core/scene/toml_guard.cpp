@@ -65,11 +65,17 @@ private:
         if (c == ',' && quote_.empty()) {
             dots_ = 0;  // the next entry of a list: no dotted key goes on behind it
         }
+        const bool escapes = c == '\\' && quote_.starts_with('"');
+        if (escapes && rest_.size() > 1 && static_cast<unsigned char>(rest_[1]) >= 0x80) {
+            return fault_in(line_,
+                            "an escape of another character than TOML's in column " + std::to_string(column_),
+                            R"(\\ for a backslash, \" for a quote, \n, \t, \u00B5)");
+        }
         // "..." is no dotted key.
         if (c == '.' && !rest_.substr(1).starts_with('.') && ++dots_ > max_dots) {
             return fault_in(line_, "more than 32 dots in a line", "section.key, and decimal points");
         }
-        keep(c == '"' || c == '\'' ? take_quote(c) : c == '\\' && quote_.starts_with('"') ? escape() : 1);
+        keep(c == '"' || c == '\'' ? take_quote(c) : escapes ? escape() : 1);
         return std::nullopt;
     }
 

@@ -19,7 +19,7 @@ Scene read_scene(const std::string& name);
 /// A scene that can be simulated, and where its keys were given.
 struct ParsedScene {
     Scene scene;
-    std::string origin;                   ///< the file's name
+    std::string origin;                   ///< the file's name, beside which drive.file lies
     std::map<std::string, Place> places;  ///< of each key that was given
 
     /// A fault of the scene that showed later (a step beyond the stability limit), with the place of its key.
@@ -31,7 +31,7 @@ struct ParsedScene {
 tl::expected<ParsedScene, std::vector<Fault>> parse_scene_file(const std::string& name,
                                                                std::span<const std::string> settings = {});
 
-/// Reads the text of a scene file, which messages call `origin`. Each override is the argument of a --set
+/// Reads the text of a scene file with the name `origin`, which messages show. Each override is the argument of a --set
 /// option, "section.key=value" or "materials.NAME.key=value", and replaces the value in the text; the last one
 /// of a key wins. The value is TOML; a bare word is a string. Never throws because of the texts.
 /// The error holds every fault: those of the file in the order of its lines, then those of the options.

@@ -59,7 +59,8 @@ void InputFile::seek(std::uint64_t offset) {
 
 void cannot_read(const std::filesystem::path& path, std::string_view reason) {
     constexpr std::size_t max_length = 300;  // it may quote the file
-    throw std::runtime_error(fmt::format("cannot read {}: {}", path.string(), printable(reason, max_length)));
+    throw std::runtime_error(
+        fmt::format("cannot read {}: {}", printable_whole(path.string()), printable(reason, max_length)));
 }
 
 }  // namespace hertzline::recordings

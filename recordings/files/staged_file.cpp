@@ -25,7 +25,8 @@ constexpr int max_links = 40;                // as the kernel does (path_resolut
 constexpr std::size_t max_stem_bytes = 200;  // leaves room for the ending in a name of 255 bytes
 
 [[noreturn]] void refuse(const fs::path& path, int reason) {
-    throw std::system_error(reason, std::generic_category(), "cannot write " + path.string());
+    throw std::system_error(reason, std::generic_category(),
+                            "cannot write " + printable_whole(path.string()));
 }
 
 /// Returns the directory that holds path, without links; fails when it does not exist.
@@ -34,8 +35,8 @@ fs::path directory_of(const fs::path& path, const fs::path& named_by_user) {
     const fs::path parent = path.has_parent_path() ? path.parent_path() : fs::path(".");
     fs::path directory = fs::canonical(parent, error);
     if (error) {
-        throw std::system_error(error,
-                                "cannot write " + named_by_user.string() + ": directory " + parent.string());
+        throw std::system_error(error, "cannot write " + printable_whole(named_by_user.string()) +
+                                           ": directory " + printable_whole(parent.string()));
     }
     return directory;
 }
@@ -145,7 +146,7 @@ StagedFile::StagedFile(fs::path path, Devices devices) : path_(std::move(path)) 
         open_straight();
     } else {
         throw std::runtime_error(
-            "cannot write " + path_.string() +
+            "cannot write " + printable_whole(path_.string()) +
             ": found a device or pipe, allowed: a file; the format is not written in order");
     }
 }
@@ -251,7 +252,7 @@ void StagedFile::require_open() const {
         refuse(path_, failure_);
     }
     if (descriptor_ < 0) {
-        throw std::logic_error("write to " + path_.string() + " after its end");
+        throw std::logic_error("write to " + printable_whole(path_.string()) + " after its end");
     }
 }
 
@@ -285,7 +286,7 @@ int write_all_at(int descriptor, std::span<const std::byte> bytes, std::uint64_t
 }
 
 void cannot_write(const std::filesystem::path& path, std::string_view reason) {
-    throw std::runtime_error(fmt::format("cannot write {}: {}", path.string(), reason));
+    throw std::runtime_error(fmt::format("cannot write {}: {}", printable_whole(path.string()), reason));
 }
 
 }  // namespace hertzline::recordings

@@ -86,8 +86,8 @@ public:
         } else {
             take_foreign(options);
             if (behind > 0) {
-                options.tell(
-                    fmt::format("{}: {} bytes behind the array are left out", path.string(), behind));
+                options.tell(fmt::format("{}: {} bytes behind the array are left out",
+                                         printable_whole(path.string()), behind));
             }
         }
     }
@@ -170,7 +170,7 @@ private:
     }
 
     void add_columns(const std::string& name, const NpyType& type) {
-        const std::string base = name.empty() ? fmt::format("channel_{}", ++channels_) : in_ascii(name);
+        const std::string base = name.empty() ? fmt::format("channel_{}", ++channels_) : column_text(name);
         if (!type.is_complex()) {
             head_.columns.push_back(column_named(base));
             return;
@@ -246,7 +246,7 @@ private:
             options.tell(
                 fmt::format("{}: its integers are shares of the full scale, as in audio files: -1 to 1; "
                             "int64 or float are taken as they are",
-                            file_.path().string()));
+                            printable_whole(file_.path().string())));
         }
         if (time_) {
             const TimeDigits digits =
@@ -263,7 +263,7 @@ private:
             if (static_cast<std::int64_t>(head_.columns.size()) > rows_ && channels_ > 1) {
                 options.tell(
                     fmt::format("{}: found {} channels of {} samples: rows are samples, columns are channels",
-                                file_.path().string(), channels_, rows_));
+                                printable_whole(file_.path().string()), channels_, rows_));
             }
         }
         head_.sample_rate_hz = axis_.sample_rate_hz();

@@ -213,8 +213,8 @@ private:
         if (comment(rows()).size() > max_comment_bytes) {
             captures_.pop_back();
             throw std::runtime_error(
-                fmt::format("{} ends before sample {}: a WAV has no room for another gap", path().string(),
-                            capture.sample));
+                fmt::format("{} ends before sample {}: a WAV has no room for another gap",
+                            printable_whole(path().string()), capture.sample));
         }
     }
 
@@ -379,7 +379,7 @@ public:
         if (wav_.left_out_bytes > 0) {
             options.tell(
                 fmt::format("{}: {} bytes behind the samples are left out: the header counts {} rows",
-                            path_.string(), wav_.left_out_bytes, rows));
+                            printable_whole(path_.string()), wav_.left_out_bytes, rows));
         }
         file_.seek(wav_.begin);
     }

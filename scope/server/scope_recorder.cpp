@@ -12,6 +12,7 @@
 #include <fmt/format.h>
 
 #include "core/scene/json.hpp"
+#include "core/scene/text.hpp"
 #include "measures/provenance.hpp"
 #include "recordings/columns.hpp"
 #include "recordings/recording_formats.hpp"
@@ -63,7 +64,7 @@ std::optional<std::string> ScopeRecorder::begin(Tap tap, const std::string& endi
         ++number;
     }
     if (error) {
-        return fmt::format("{}: {}", folder_->string(), error.message());
+        return fmt::format("{}: {}", printable_whole(folder_->string()), error.message());
     }
     try {
         recordings::require_writable(path(number));

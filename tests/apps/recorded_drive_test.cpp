@@ -132,6 +132,12 @@ TEST_F(RecordedDrive, NoCommandPutsItsOutputInTheRecordsPlace) {
     EXPECT_THAT(hertzline({"run", folder_.file("a.h5"), "-o", folder_.file("a.h5")}).err,
                 HasSubstr("found a file that is read here"));
     EXPECT_EQ(contents(horn_), before);
+    const std::string folder = folder_.file(std::string(140, 'x'));
+    std::filesystem::create_directory(folder);
+    std::filesystem::copy_file(horn_, folder + "/horn.csv");
+    write_text(folder + "/s.toml", "[drive]\nkind = \"file\"\nfile = \"horn.csv\"\n");
+    EXPECT_THAT(hertzline({"run", folder + "/s.toml", "-o", folder + "/horn.csv"}).err,
+                HasSubstr("found a file that is read here"));
 }
 
 TEST_F(RecordedDrive, PartsOfASweepHaveTheSameFiles) {

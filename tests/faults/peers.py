@@ -283,7 +283,7 @@ def subscriber_killed(stand):
         peer = _hearing_peer(stream, "--everything")
         peer.send_signal(signal.SIGSTOP)
         queued = lambda: stream.footprint()[1] - stream.before[1]
-        wait_until(lambda: queued() > 4 * stands.KEPT_BY_ALLOCATOR, "had a queue")
+        wait_until(lambda: queued() > 4 * stands.KEPT_BY_ALLOCATOR, "had a queue", 4 * stands.LONG_ENOUGH_S)
         peer.kill()
 
 

@@ -27,6 +27,7 @@ using test::SmoothBurst;
 using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
+using namespace std::string_literals;
 
 constexpr double rate_hz = 10e6;
 constexpr std::size_t count = 4001;
@@ -171,9 +172,52 @@ TEST_F(DriveRecord, NamesAreInAnyLanguage) {
     EXPECT_EQ(found.samples.back(), 78);
     EXPECT_EQ(found.scale, 1e-6);
     EXPECT_EQ(drive(file, "column = \"Gr\u00f6\u00dfe (\u03bcm)\"\n"), found);
-    EXPECT_THAT(fault(file, "column = \"\u6ce2\"\n"),
-                HasSubstr("drive.column: found \"\u6ce2\", allowed: one of ?u?eres, Gr??e, or"));
+    EXPECT_THAT(
+        fault(file, "column = \"\u6ce2\"\n"),
+        HasSubstr("drive.column: found \"\u6ce2\", allowed: one of \u00c4u\u00dferes, Gr\u00f6\u00dfe, or"));
     EXPECT_THAT(fault("\u6ce2.csv"), HasSubstr("/\u6ce2.csv\", which is no file"));
+    test::write_text(folder_.file("similar.csv"), "time_s,\u00d6l_m,\u00dcl_m" + rows(2));
+    EXPECT_EQ(drive("similar.csv", "column = \"\u00d6l_m\"\n").samples.back(), 39);
+    EXPECT_EQ(drive("similar.csv", "column = \"\u00dcl_m\"\n").samples.back(), 78);
+    EXPECT_THAT(fault("similar.csv", "column = \"\u00f6l_m\"\n"), HasSubstr("drive.column: found"));
+}
+
+TEST_F(DriveRecord, AColumnIsTakenByAnothersNameInNoCase) {
+    const std::string both(130, 'x');
+    test::write_text(folder_.file("long.csv"), "time_s," + both + "1_m," + both + "2_m" + rows(2));
+    EXPECT_THAT(fault("long.csv", "column = \"" + both + "2_m\"\n"), HasSubstr("drive.column: found"));
+    EXPECT_EQ(drive("long.csv", "column = 2\n").samples.back(), 78);
+    RecordingHead head = test::recording_head({"v_last_1_m_per_s", "v_last_2_m_per_s"}, rate_hz);
+    for (Column& column : head.columns) {
+        column.quantity = "v_last";
+    }
+    const auto writer = open_recording(folder_.file("array.h5"), head);
+    writer->write(0, std::vector<double>(40));
+    writer->commit();
+    EXPECT_THAT(fault("array.h5", "column = \"v_last\"\n"),
+                HasSubstr("drive.column: found \"v_last\", as 2 columns are called, allowed: a number of a "
+                          "column: 1 and 2"));
+    EXPECT_EQ(drive("array.h5", "column = \"v_last_2_m_per_s\"\n").quantity, DriveQuantity::velocity);
+}
+
+TEST_F(DriveRecord, LiesBesideASceneInAnyFolder) {
+    for (const std::string& name : {std::string(140, 'x'), "\u6ce2"s, "v\xF6"s, "a\nb"s}) {
+        const std::filesystem::path folder = std::filesystem::path(folder_.file(name));
+        std::filesystem::create_directory(folder);
+        test::write_text((folder / "r.csv").string(), "time_s,tip_m" + rows());
+        test::write_text((folder / "s.toml").string(), "[drive]\nkind = \"file\"\nfile = \"r.csv\"\n");
+        const auto scene = parse_named_scene((folder / "s.toml").string(), {}, [](const std::string&) {});
+        ASSERT_TRUE(scene) << fault_text(scene.error());
+        EXPECT_EQ(scene->scene.drive.samples.back(), 39);
+    }
+}
+
+TEST_F(DriveRecord, ATextIsUtf8WithoutNul) {
+    test::write_text(folder_.file("r.csv"), "time_s,tip_m" + rows());
+    EXPECT_THAT(fault("r.csv\\u0000.csv"), HasSubstr("drive.file: found"));
+    const auto scene = parse_scene("", "scene.toml", std::vector<std::string>{"drive.column=\xFF"});
+    ASSERT_FALSE(scene);
+    EXPECT_THAT(fault_text(scene.error()), HasSubstr("allowed: a text in UTF-8 of at most"));
 }
 
 TEST_F(DriveRecord, ANameThatEndsInAnotherUnitIsNoMotionInMetres) {

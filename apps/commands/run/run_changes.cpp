@@ -255,7 +255,7 @@ void warn_of_differences(const Json& provenance, const std::string& origin) {
 }  // namespace
 
 std::optional<Session> session_of_recording(const SceneRequest& request, Faults& faults) {
-    const std::string origin = printable(request.scene);
+    const std::string origin = printable_whole(request.scene);
     if (!request.settings.empty()) {
         faults.add("--set: found together with a recording, allowed: with a scene");
         return std::nullopt;

@@ -93,7 +93,7 @@ std::string change_text(const stream::SceneChange& change) {
     const char* separator = " ";
     for (const auto& [key, value] : change.set.items()) {
         if (change.was.is_null() || change.was.value(key, Json(nullptr)) != value) {
-            text += fmt::format("{}{} = {}", separator, key, value.dump());
+            text += fmt::format("{}{} = {}", separator, key, json_text(value));
             separator = ", ";
         }
     }

@@ -123,6 +123,10 @@ void check_live_drive(const StreamOptions& arguments, const Scene& scene, Faults
             "again");
     }
     for (const auto& file : drive_files_of(arguments.recordings)) {
+        if (!is_utf8(file.filename().string())) {
+            faults.add("--record: found " + quoted_briefly(file.filename().string()) +
+                       " as the file of the input, which the recording tells, allowed: a name in UTF-8");
+        }
         for (const std::string& recording : arguments.recordings) {
             if (recordings::share_files(recording, file)) {
                 faults.add("--record: found " + quoted_briefly(recording) +
@@ -310,9 +314,13 @@ Run stream_command(CLI::App& app) {
     app.footer(examples);
     return [arguments] {
         if (arguments->drive) {
+            if (!is_utf8(*arguments->drive)) {
+                throw WrongUse(
+                    fmt::format("--drive: found {}, allowed: UTF-8", quoted_briefly(*arguments->drive)));
+            }
             // before the user's, which may say more of the drive
             const std::vector<std::string> settings{"drive.kind=live",
-                                                    "drive.endpoint=\"" + *arguments->drive + "\""};
+                                                    "drive.endpoint=" + hertzline::quoted(*arguments->drive)};
             arguments->scene.settings.insert(arguments->scene.settings.begin(), settings.begin(),
                                              settings.end());
         }

@@ -103,14 +103,14 @@ void begin_or_compare(Journal& journal, const Study& study, bool resume) {
     const std::string_view kind = study.is_search() ? "search" : "sweep";
     if (journal.is_new()) {
         if (resume) {
-            spdlog::info("{} does not exist; the {} starts with its first point", journal.path().string(),
-                         kind);
+            spdlog::info("{} does not exist; the {} starts with its first point",
+                         printable_whole(journal.path().string()), kind);
         }
         journal.begin(studies::journal_text(study), studies::columns_of(study));
     } else if (const auto difference = studies::journal_difference(journal.text(), study)) {
-        throw WrongUse(
-            fmt::format("{}: found {}, allowed: the journal of the same {}, made by the same program{}",
-                        journal.path().string(), *difference, kind, target_advice(journal.text())));
+        throw WrongUse(fmt::format(
+            "{}: found {}, allowed: the journal of the same {}, made by the same program{}",
+            printable_whole(journal.path().string()), *difference, kind, target_advice(journal.text())));
     }
 }
 
@@ -140,7 +140,7 @@ void run_to_journal(Journal& journal, const std::function<void()>& work) {
             throw;
         }
         throw std::runtime_error(fmt::format("{}; the finished points are in {}: {}", reason,
-                                             journal.path().string(), how_to_continue));
+                                             printable_whole(journal.path().string()), how_to_continue));
     }
 }
 
@@ -148,7 +148,7 @@ Exit stopped(const Journal& journal, std::string_view done) {
     if (!journal.has_rows() || journal.is_in_memory()) {
         spdlog::error("stopped after {}; nothing was saved", done);
     } else {
-        spdlog::error("stopped after {}, which are in {}: {}", done, journal.path().string(),
+        spdlog::error("stopped after {}, which are in {}: {}", done, printable_whole(journal.path().string()),
                       how_to_continue);
     }
     return Exit::failed;

@@ -16,6 +16,7 @@
 #include "apps/commands/sweep/sweep_merge.hpp"
 #include "apps/commands/sweep/sweep_options.hpp"
 #include "apps/console/signals.hpp"
+#include "core/scene/text.hpp"
 #include "measures/resources.hpp"
 #include "recordings/recording_formats.hpp"
 #include "studies/study.hpp"
@@ -100,7 +101,7 @@ bool finish(const SweepOptions& options, const Study& study, Journal& journal, s
         spdlog::error(
             "{} points failed: their messages name the memory or the library that they lacked; --resume "
             "tries them again from {}",
-            failed, journal.path().string());
+            failed, printable_whole(journal.path().string()));
     } else {
         journal.replace_by(options.files);
     }
@@ -147,7 +148,8 @@ Exit run_sweep(const SweepOptions& options) {
     const std::vector<std::int64_t> missing = missing_points(study, journal, finished);
     const std::int64_t all = finished.all() + static_cast<std::int64_t>(missing.size());
     if (finished.all() > 0) {
-        spdlog::info("{} of {} points are in {}", finished.all(), all, journal.path().string());
+        spdlog::info("{} of {} points are in {}", finished.all(), all,
+                     printable_whole(journal.path().string()));
     }
     const UnusedJournal unused(journal, !missing.empty());
     refuse_shortages(options, *sweep, missing.size(), jobs);

@@ -100,7 +100,8 @@ Exit merge_parts(const SweepOptions& options) {
     for (std::int64_t point = 0; point < study.plan.size(); ++point) {
         if (const Journal& part = part_of(parts, point); !part.has(point)) {
             throw std::runtime_error(fmt::format("{} lacks {}: run that part to its end with --resume",
-                                                 part.path().string(), study.plan.name(point)));
+                                                 printable_whole(part.path().string()),
+                                                 study.plan.name(point)));
         }
     }
     stop_asked();

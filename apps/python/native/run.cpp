@@ -94,7 +94,7 @@ std::shared_ptr<RunResult> run(SceneObject& object, const std::optional<std::vec
                                const std::vector<std::string>& measure, std::optional<double> band_from_hz) {
     const RunRequest request = checked(object.scene(), taps, measure, band_from_hz);
     const std::shared_ptr<const Resolution> resolved = object.resolved();
-    require_memory("simulating " + object.origin(), memory_of(resolved->scene, request));
+    require_memory("simulating " + printable_whole(object.origin()), memory_of(resolved->scene, request));
     auto result = std::make_shared<RunResult>();
     result->sample_rate_hz = resolved->scene.output.sample_rate_hz;
     result->rows = static_cast<std::size_t>(measures::rows_of_run(resolved->scene));

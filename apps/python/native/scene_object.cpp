@@ -49,7 +49,7 @@ std::shared_ptr<SceneObject> parse(const std::string& text, const std::string& o
         return std::ranges::any_of(settings, [&](const std::string& one) { return one.starts_with(key); });
     };
     return object_of([&](const auto& warn) -> Parsed {
-        Parsed parsed = parse_scene(text, printable(origin), settings);
+        Parsed parsed = parse_scene(text, origin, settings);
         if (!parsed || (!sets("drive.samples=") && !sets("drive.file="))) {
             return parsed;
         }
@@ -88,7 +88,7 @@ py::object check(SceneObject& object) {
 
 std::shared_ptr<const Resolution> SceneObject::resolved() {
     if (!resolved_) {
-        require_memory("simulating " + origin(), Simulation::memory_bytes(scene(), {}));
+        require_memory("simulating " + printable_whole(origin()), Simulation::memory_bytes(scene(), {}));
         std::optional<Resolution> found;
         interruptible([&](const std::atomic<bool>& stop) { found = hertzline::resolve(scene(), &stop); });
         if (!found->faults.empty()) {
@@ -104,7 +104,7 @@ std::shared_ptr<const Resolution> SceneObject::resolved() {
 
 void add_scene(py::module_& module) {
     py::class_<SceneObject, std::shared_ptr<SceneObject>>(module, "Scene")
-        .def_property_readonly("origin", &SceneObject::origin)
+        .def_property_readonly("origin", [](const SceneObject& object) { return text_of(object.origin()); })
         .def("toml", [](const SceneObject& object) { return to_toml(object.scene()); })
         .def("hash", [](const SceneObject& object) { return scene_hash(object.scene()); })
         .def("values",

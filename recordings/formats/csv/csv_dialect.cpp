@@ -50,9 +50,9 @@ Column column_of_words(std::string_view name) {
     const std::size_t open = name.find_last_of("([");
     const bool has_unit =
         open != std::string_view::npos && open > 0 && (name.back() == ')' || name.back() == ']');
-    Column column = column_named(in_ascii(trimmed(name.substr(0, has_unit ? open : name.size()), blanks)));
+    Column column = column_named(column_text(trimmed(name.substr(0, has_unit ? open : name.size()), blanks)));
     if (has_unit) {
-        column.unit = in_ascii(name.substr(open + 1, name.size() - open - 2));
+        column.unit = column_text(name.substr(open + 1, name.size() - open - 2));
     }
     return column;
 }
@@ -111,7 +111,7 @@ void take_units(const CsvLines& lines, CsvNames& names) {
     for (std::size_t i = 0; i < names.columns.size(); ++i) {
         const std::size_t place = names.time_column + 1 + i;
         if (place < words.size() && !words[place].empty()) {
-            names.columns[i].unit = in_ascii(trimmed(words[place], " ()[]"));
+            names.columns[i].unit = column_text(trimmed(words[place], " ()[]"));
         }
     }
 }

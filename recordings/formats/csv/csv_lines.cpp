@@ -13,6 +13,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "core/scene/text.hpp"
 #include "recordings/files/input_file.hpp"
 
 namespace hertzline::recordings {
@@ -99,7 +100,7 @@ void CsvLines::fail(const std::string& fault) const {
 }
 
 std::string CsvLines::name() const {
-    return fmt::format("{}:{}", path_.string(), std::max<std::int64_t>(1, number_));
+    return fmt::format("{}:{}", printable_whole(path_.string()), std::max<std::int64_t>(1, number_));
 }
 
 void CsvLines::go_back(const Place& place) {

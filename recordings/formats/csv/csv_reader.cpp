@@ -82,7 +82,7 @@ private:
         const double rate = described.number("urn:hertzline:sample_rate_hz").value_or(0);
         const Json& columns = described.at("tableSchema/columns");
         const auto left_out = [&](const std::string& why) {
-            options_.tell(path.string() + ": left out, because " + why);
+            options_.tell(printable_whole(path.string()) + ": left out, because " + why);
             return false;
         };
         if (!(rate > 0) || !std::isfinite(rate)) {

@@ -16,6 +16,7 @@
 #include <fmt/format.h>
 
 #include "core/scene/json.hpp"
+#include "core/scene/text.hpp"
 #include "recordings/checked_writer.hpp"
 #include "recordings/file_numbers.hpp"
 #include "recordings/files/input_file.hpp"
@@ -86,7 +87,8 @@ public:
           staged_(path, StagedFile::Devices::refused),
           quantities_(quantities_of(head)) {
         if (std::ranges::find(quantities_, captures_name, &Quantity::name) != quantities_.end()) {
-            throw std::invalid_argument(path.string() + ": a quantity cannot be called captures");
+            throw std::invalid_argument(printable_whole(path.string()) +
+                                        ": a quantity cannot be called captures");
         }
         inside_the_library([&] { create(); });
     }

@@ -154,7 +154,8 @@ private:
         InputFile file(meta);
         if (const auto fault = hash_fault(hash, file, {"", 0, file.size()}, options.stop)) {
             options.tell(fmt::format("{}: the metadata in {} are not those that the collection names: {}",
-                                     path_.string(), printable(meta.filename().string()), *fault));
+                                     printable_whole(path_.string()), printable(meta.filename().string()),
+                                     *fault));
         }
     }
 

@@ -236,7 +236,7 @@ private:
                 refuse("");
             }
             std::ranges::transform(*columns, head_.columns.begin(), [](const Json& column) {
-                const auto text = [&](const char* key) { return in_ascii(std::string(column.at(key))); };
+                const auto text = [&](const char* key) { return column_text(std::string(column.at(key))); };
                 return Column{text("name"), text("quantity"), text("unit")};
             });
         } catch (const std::exception&) {

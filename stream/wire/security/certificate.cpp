@@ -53,13 +53,15 @@ void write_new_file(const fs::path& file, mode_t mode, std::string_view text) {
     // O_EXCL: an existing key is never lost, and a stranger's link never followed.
     Descriptor descriptor(::open(file.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, mode));
     if (descriptor.number() < 0) {
-        throw std::system_error(errno, std::generic_category(), "cannot make " + file.string());
+        throw std::system_error(errno, std::generic_category(),
+                                "cannot make " + printable_whole(file.string()));
     }
     const int not_written = recordings::write_all(descriptor.number(), std::as_bytes(std::span(text)));
     const int not_closed = descriptor.close();
     if (const int error = not_written != 0 ? not_written : not_closed) {
         ::unlink(file.c_str());
-        throw std::system_error(error, std::generic_category(), "cannot write " + file.string());
+        throw std::system_error(error, std::generic_category(),
+                                "cannot write " + printable_whole(file.string()));
     }
 }
 
@@ -81,26 +83,26 @@ tl::expected<std::string, std::string> read_text(const fs::path& file, bool secr
     const Descriptor descriptor(::open(file.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK));
     struct stat status {};
     if (descriptor.number() < 0 || ::fstat(descriptor.number(), &status) != 0) {
-        return tl::unexpected{
-            fmt::format("cannot read {}: {}", file.string(), std::generic_category().message(errno))};
+        return tl::unexpected{fmt::format("cannot read {}: {}", printable_whole(file.string()),
+                                          std::generic_category().message(errno))};
     }
     if (!S_ISREG(status.st_mode)) {
-        return tl::unexpected{fmt::format("{} is not a regular file", file.string())};
+        return tl::unexpected{fmt::format("{} is not a regular file", printable_whole(file.string()))};
     }
     // Where it cannot be changed, it is as whoever mounted it decided: secrets of containers are root's, and readable for all
     // in the container.
     const bool judged = secret && !is_mounted_read_only(descriptor.number());
     if (judged && status.st_uid != ::geteuid()) {
-        return tl::unexpected{
-            fmt::format("{} belongs to another user; a secret key must be your own", file.string())};
+        return tl::unexpected{fmt::format("{} belongs to another user; a secret key must be your own",
+                                          printable_whole(file.string()))};
     }
     std::string text(max_certificate_bytes + 1, '\0');
     std::size_t size = 0;
     while (size < text.size()) {
         const ssize_t got = ::read(descriptor.number(), text.data() + size, text.size() - size);
         if (got < 0 && errno != EINTR) {
-            return tl::unexpected{
-                fmt::format("cannot read {}: {}", file.string(), std::generic_category().message(errno))};
+            return tl::unexpected{fmt::format("cannot read {}: {}", printable_whole(file.string()),
+                                              std::generic_category().message(errno))};
         }
         if (got == 0) {
             break;
@@ -108,14 +110,14 @@ tl::expected<std::string, std::string> read_text(const fs::path& file, bool secr
         size += static_cast<std::size_t>(std::max<ssize_t>(got, 0));
     }
     if (size > max_certificate_bytes) {
-        return tl::unexpected{fmt::format("{} is not a certificate: it has more than {} bytes", file.string(),
-                                          max_certificate_bytes)};
+        return tl::unexpected{fmt::format("{} is not a certificate: it has more than {} bytes",
+                                          printable_whole(file.string()), max_certificate_bytes)};
     }
     text.resize(size);
     if (judged && (status.st_mode & others) != 0 && text.find("secret-key") != std::string::npos) {
         return tl::unexpected{
             fmt::format("{0}: other users may use this secret key (mode {1:04o}): chmod 600 {0}",
-                        file.string(), status.st_mode & 07777)};
+                        printable_whole(file.string()), status.st_mode & 07777)};
     }
     return text;
 }
@@ -153,18 +155,19 @@ tl::expected<Certificate, std::string> read_certificate(const fs::path& file, bo
         auto& key = name == "public-key" ? certificate.public_key : certificate.secret_key;
         // The value itself is not shown: it may be a secret one.
         if (key) {
-            return tl::unexpected{fmt::format("{}:{}: a second {}", file.string(), line_number, name)};
+            return tl::unexpected{
+                fmt::format("{}:{}: a second {}", printable_whole(file.string()), line_number, name)};
         }
         const std::string_view value = equals == std::string_view::npos ? "" : content.substr(equals + 1);
         key = key_from_z85(unquoted(trimmed(value, blanks)));
         if (!key) {
-            return tl::unexpected{fmt::format("{}:{}: {} is not a key of 40 characters in Z85", file.string(),
-                                              line_number, name)};
+            return tl::unexpected{fmt::format("{}:{}: {} is not a key of 40 characters in Z85",
+                                              printable_whole(file.string()), line_number, name)};
         }
     }
     if (!certificate.public_key) {
-        return tl::unexpected{
-            fmt::format("{} is not a certificate: it has no public-key in section curve", file.string())};
+        return tl::unexpected{fmt::format("{} is not a certificate: it has no public-key in section curve",
+                                          printable_whole(file.string()))};
     }
     return certificate;
 }
@@ -196,7 +199,7 @@ tl::expected<CurveKey, std::string> read_public_key(const fs::path& file) {
         return tl::unexpected{
             fmt::format("{} holds a secret key, which only its owner should have: use the public "
                         "file that was made with it",
-                        file.string())};
+                        printable_whole(file.string()))};
     }
     return *certificate->public_key;
 }
@@ -207,13 +210,13 @@ tl::expected<KeyPair, std::string> read_key_pair(const fs::path& file) {
         return tl::unexpected{certificate.error()};
     }
     if (!certificate->secret_key) {
-        return tl::unexpected{
-            fmt::format("{} holds no secret key: use the file NAME.key_secret", file.string())};
+        return tl::unexpected{fmt::format("{} holds no secret key: use the file NAME.key_secret",
+                                          printable_whole(file.string()))};
     }
     const KeyPair pair{*certificate->public_key, *certificate->secret_key};
     if (!belong_together(pair)) {
-        return tl::unexpected{
-            fmt::format("{}: its public and its secret key do not belong together", file.string())};
+        return tl::unexpected{fmt::format("{}: its public and its secret key do not belong together",
+                                          printable_whole(file.string()))};
     }
     return pair;
 }
@@ -250,12 +253,12 @@ tl::expected<std::vector<CurveKey>, std::string> read_public_keys(const fs::path
             }
         }
         if (error) {
-            return tl::unexpected{
-                fmt::format("cannot read {}: {}", file_or_directory.string(), error.message())};
+            return tl::unexpected{fmt::format("cannot read {}: {}",
+                                              printable_whole(file_or_directory.string()), error.message())};
         }
         if (files.empty()) {
             return tl::unexpected{fmt::format("{} has no certificates NAME.key: no client could connect",
-                                              file_or_directory.string())};
+                                              printable_whole(file_or_directory.string()))};
         }
         std::ranges::sort(files);  // the order of messages, not of meaning
     }

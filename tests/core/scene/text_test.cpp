@@ -4,11 +4,15 @@
 #include <cmath>
 #include <vector>
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>
 
 namespace hertzline {
 namespace {
+
+using namespace std::string_literals;
+using testing::HasSubstr;
 
 TEST(Text, EditDistanceCountsInsertionsDeletionsAndReplacements) {
     EXPECT_EQ(edit_distance("", ""), 0);
@@ -61,10 +65,28 @@ TEST(Text, PrintableHidesControlCharactersAndCutsLongTexts) {
               "\U0001f529...");  // no character of 4 bytes or more
 }
 
-TEST(Text, InAsciiACharacterIsAQuestionMark) {
-    EXPECT_EQ(in_ascii("Gr\u00f6\u00dfe\t[\u6ce2]"), "Gr??e?[?]");
-    EXPECT_EQ(in_ascii(std::string(1000, 'x')).size(), 123);
-    EXPECT_EQ(in_ascii("\u00b5m \u03bcm \xB5m"), "um um um");
+TEST(Text, TheNameOfAFileIsNotCut) {
+    const std::string name = std::string(4000, 'x') + "\u00fc";
+    EXPECT_EQ(printable_whole(name + "\n"), name + "?");
+}
+
+TEST(Text, SignsOfMicroAreOneInColumns) {
+    EXPECT_EQ(column_text("Gr\u00f6\u00dfe\t[\u6ce2]"), "Gr\u00f6\u00dfe?[\u6ce2]");
+    EXPECT_EQ(column_text(std::string(1000, 'x')).size(), 123);
+    EXPECT_EQ(column_text("\u00b5m \u03bcm \xB5m \xF6"), "um um um ?");
+}
+
+// Default_Ignorable_Code_Point in DerivedCoreProperties.txt, and the noncharacters of the first plane's end.
+TEST(Text, CharactersThatNobodySeesAreNotPlain) {
+    for (const char* text : {"\u00ad", "\u061c", "\u180e", "\u200b", "\u200e", "\u200f", "\u2060", "\u2064",
+                             "\ufeff", "\ufffb", "\uffff", "\U000e0041"}) {
+        EXPECT_FALSE(is_plain("to"s + text + "ne")) << quoted(text);
+        EXPECT_EQ(printable(text), "?") << quoted(text);
+        EXPECT_THAT(quoted(text), HasSubstr("\\")) << text;
+    }
+    EXPECT_TRUE(is_plain("\u0645\u06cc\u200c\u062e\u0648\u0627\u0647\u0645"))
+        << "a word of Persian with a joiner";
+    EXPECT_TRUE(is_plain("\U0001f469\u200d\U0001f52c"));
 }
 
 // The examples of the Unicode Standard 15.0, tables 3-7 to 3-10, and the ends of each row of table 3-7.
@@ -73,14 +95,14 @@ TEST(Text, IsUtf8AsTheStandardHasIt) {
          {"\x20", "\x7E", "\xC2\xA0", "\xDF\xBF", "\xE0\xA0\x80", "\xE0\xBF\xBF", "\xEC\xBF\xBF",
           "\xED\x80\x80", "\xED\x9F\xBF", "\xEE\x80\x80", "\xEF\xBF\xBF", "\xF0\x90\x80\x80",
           "\xF3\xBF\xBF\xBF", "\xF4\x80\x80\x80", "\xF4\x8F\xBF\xBF"}) {
-        EXPECT_TRUE(is_plain(text)) << testing::PrintToString(text);
+        EXPECT_TRUE(is_utf8(text)) << testing::PrintToString(text);
         EXPECT_EQ(first_character(text).bytes, std::string_view(text).size());
     }
     for (const char* text :
          {"\x80", "\xBF", "\xC0\xAF", "\xC1\xBF", "\xC2", "\xC2\x7F", "\xC2\xC0", "\xE0\x9F\xBF", "\xE1\x80",
           "\xE1\x80\xC0", "\xED\xA0\x80", "\xED\xBF\xBF", "\xF0\x8F\xBF\xBF", "\xF1\x80\x80",
           "\xF4\x90\x80\x80", "\xF5\x80\x80\x80", "\xFF"}) {
-        EXPECT_FALSE(is_plain(text)) << testing::PrintToString(text);
+        EXPECT_FALSE(is_utf8(text) || is_plain(text)) << testing::PrintToString(text);
         EXPECT_EQ(first_character(text).bytes, 0) << testing::PrintToString(text);
     }
     EXPECT_EQ(first_character("\u20ac").code, 0x20AC);
@@ -92,7 +114,7 @@ TEST(Text, PlainTextHasNoCharactersThatATerminalActsOn) {
          {"\x1B", "\n", "\x7F", "\u0080", "\u009f", "\u2028", "\u202e", "\u2066", "\u2069"}) {
         EXPECT_FALSE(is_plain(text)) << testing::PrintToString(text);
     }
-    for (const char* text : {"", "\u00a0", "\u2027", "\u202f", "\u2065", "\u206a"}) {
+    for (const char* text : {"", "\u00a0", "\u2027", "\u202f", "\u205f", "\u2070"}) {
         EXPECT_TRUE(is_plain(text)) << testing::PrintToString(text);
     }
 }

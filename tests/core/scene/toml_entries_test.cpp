@@ -57,6 +57,14 @@ TEST(SceneTextGuard, ARefusedByteOrCharacterIsNamedWithLineAndColumn) {
                 ElementsAre(HasSubstr(":2: found byte 0xE9 in column 6, allowed: UTF-8 in comments")));
 }
 
+TEST(SceneTextGuard, ABackslashEscapesNoOtherCharacterThanThoseOfToml) {
+    EXPECT_THAT(messages("[drive]\nfile = \"daten\\\u00fcber.csv\"\n"),
+                ElementsAre(HasSubstr(
+                    "scene.toml:2: found an escape of another character than TOML's in column 14")));
+    EXPECT_THAT(messages("[drive]\nkind = \"file\"\nfile = \"daten\\\\\u00fcber.csv\" # \\\u00fc\n"),
+                IsEmpty());
+}
+
 TEST(SceneTextGuard, TakesAFileAsAnyEditorSavesIt) {
     for (
         const std::string& text : {
