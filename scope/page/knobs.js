@@ -24,10 +24,11 @@ function shownOnly(scene) {
 }
 
 export class Knobs {
-  /** @param set (key, value) asks for a change */
-  constructor(place, set) {
+  /** @param set (key, value) asks for a change @param isPending (key) whether one has no answer yet */
+  constructor(place, set, isPending) {
     this.place = place;
     this.set = set;
+    this.isPending = isPending;
     this.rows = new Map();
     this.there = false;
   }
@@ -42,7 +43,7 @@ export class Knobs {
     }
     for (const [key, knob] of Object.entries(values)) {
       const row = this.rows.get(key);
-      row?.update(knob, this.there);
+      row?.update(knob, this.there, this.isPending(key));
       const needs = scene?.keys?.[key]?.needs;
       row?.show(!needs || needs.words.includes(values[needs.key]?.value));
     }
@@ -236,7 +237,9 @@ class Knob {
     this.input.removeAttribute('aria-invalid');
   }
 
-  update(knob, there) {
+  /** @param pending a change of it has no answer yet: the value is older */
+  update(knob, there, pending) {
+    this.turnedAt = pending ? performance.now() : this.turnedAt;
     this.knob = knob;
     this.input.disabled = !there;
     if (this.slider) {

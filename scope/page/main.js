@@ -37,7 +37,7 @@ const link = new Link({
     take(text);
   },
   open() {
-    changing = false;  // an answer that was on its way does not come
+    asked = null;  // an answer that was on its way does not come
     ask();
     change();
   },
@@ -236,10 +236,10 @@ function offerChannels() {
 
 const LONGEST_REQUEST = 60000;  // characters: the scope takes no more
 const waiting = new Map();
-let changing = false;
+let asked = null;  // keys of the change that is on its way; null: none is
 function change() {
-  if (!changing && waiting.size > 0) {
-    changing = true;
+  if (asked === null && waiting.size > 0) {
+    asked = [...waiting.keys()];
     const request = {set: Object.fromEntries(waiting)};
     waiting.clear();
     if (JSON.stringify(request).length > LONGEST_REQUEST) {
@@ -249,8 +249,9 @@ function change() {
     }
   }
 }
-const knobs = new Knobs($('knobs'), (key, value) => { waiting.set(key, value); change(); });
-$('undo').onclick = () => { changing = true; link.send({undo: true}); };
+const knobs = new Knobs($('knobs'), (key, value) => { waiting.set(key, value); change(); },
+  (key) => waiting.has(key) || asked?.includes(key));
+$('undo').onclick = () => { asked = []; link.send({undo: true}); };
 
 /** Shows whether the motion went on when the scene changed, below the keys that this page has changed, too. */
 function showMotion() {
@@ -262,7 +263,7 @@ function showMotion() {
 }
 
 function showAnswer({to, answer}) {
-  changing = false;
+  asked = null;
   const faults = answer?.faults;
   const keys = Object.keys(to.set ?? {});
   const what = to.undo ? 'undone' : Object.entries(to.set ?? {}).map(([key, value]) => `${key} = ${value}`).join(', ');

@@ -276,11 +276,20 @@ const promises = {
     const before = await this.page.evaluate(() => window.hertzline.scene.scene.drive.amplitude_m);
     const slider = this.page.locator('.knob:has([id="knob-drive.amplitude_m"]) input[type=range]');
     await slider.click();  // in the middle, where it is
+    await this.page.evaluate(() => {  // a slow stream: the value in use is older than the last turn
+      const {send} = WebSocket.prototype;
+      WebSocket.prototype.send = function sendLate(text) {
+        setTimeout(() => send.call(this, text), text.includes('"set"') ? 1500 : 0);
+      };
+      window.sendAtOnce = () => { WebSocket.prototype.send = send; };
+    });
     for (let i = 0; i < 10; ++i) {
       await slider.press('ArrowRight');
+      await this.page.waitForTimeout(i === 4 ? 2500 : 0);
     }
     const turned = before * 2 ** 0.2;
     await until(this.page, (wanted) => Math.abs(window.hertzline.scene.scene.drive.amplitude_m / wanted - 1) < 0.01, turned);
+    await this.page.evaluate(() => window.sendAtOnce());
     await this.page.evaluate(() => document.activeElement.blur());
     await this.page.fill('[id="knob-drive.amplitude_m"]', String(before));
     await this.page.press('[id="knob-drive.amplitude_m"]', 'Enter');
