@@ -54,12 +54,17 @@ double sound_length_m(const Scene& scene, const Point& point) {
     return std::hypot(point[2], s + a) - std::hypot(point[2], std::max(0.0, s - a));
 }
 
+/// Chains of an array take longer to simulate than one.
+std::size_t points_at_once(const Scene& scene) noexcept {
+    return is_array(scene) ? 384 : 48;
+}
+
 /// Gives the points out, a few at a time. Those with as long a time from first to last sound go together, as their sound is computed in
 /// the same intervals.
 class Portions {
 public:
     explicit Portions(const Scene& scene)
-        : order_(scene.output.points_m.size()), points_(is_array(scene) ? 384 : 48) {
+        : order_(scene.output.points_m.size()), points_(points_at_once(scene)) {
         std::iota(order_.begin(), order_.end(), std::size_t{0});
         std::vector<double> lengths;
         for (const Point& point : scene.output.points_m) {
@@ -76,7 +81,7 @@ public:
 
 private:
     std::vector<std::size_t> order_;
-    std::size_t points_;  // at once: chains of an array take longer to simulate than one
+    std::size_t points_;  // at once
     std::atomic<std::size_t> next_{0};
 };
 
@@ -98,6 +103,9 @@ std::vector<std::vector<double>> pressures_of(const Scene& scene, const std::ato
     const auto rows = static_cast<std::size_t>(measures::rows_of_run(scene));
     const std::size_t points = scene.output.points_m.size();
     std::vector<std::vector<double>> pressures(points);
+    for (std::vector<double>& of_point : pressures) {
+        of_point.reserve(rows);
+    }
     Samples block = simulation.make_samples(measures::block_of_run(scene, Tap::p_points));
     for (std::size_t row = 0; row < rows; row += block.count) {
         const Status status = simulation.advance(block, std::min(block.capacity(), rows - row));
@@ -115,6 +123,17 @@ std::vector<std::vector<double>> pressures_of(const Scene& scene, const std::ato
 }
 
 }  // namespace
+
+double field_memory_bytes(const Scene& scene, int jobs) {
+    const double rows = measures::rows_of_run(scene);
+    const auto points = std::min(points_at_once(scene), scene.output.points_m.size());
+    Scene part = scene;
+    part.output.points_m.resize(points);
+    const auto block = static_cast<double>(measures::block_of_run(part, Tap::p_points) * points);
+    const double job = Simulation::memory_bytes(part, Tap::p_points) + SpectrumAnalyser::bytes_needed(rows) +
+                       sizeof(double) * (block + rows * static_cast<double>(points));
+    return jobs * job;
+}
 
 std::size_t FieldGrid::size() const noexcept {
     return std::transform_reduce(axes.begin(), axes.end(), std::size_t{1}, std::multiplies(),

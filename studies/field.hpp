@@ -46,6 +46,9 @@ struct FieldPoint {
     std::vector<double> pressure_pa;  ///< of each sample
 };
 
+/// Bytes that run_field() needs, roughly from above.
+double field_memory_bytes(const Scene& scene, int jobs);
+
 /// Simulates the scene's duration for all of its points. They come in any order.
 /// @param scene with points, resolved together with them @param take called by one thread at a time @param stop ends it early
 /// @throws std::runtime_error when the integration fails, and the exceptions of take()

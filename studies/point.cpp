@@ -38,7 +38,9 @@ void keep_waveform(const Samples& block, Tap tap, std::size_t first, std::size_t
     }
 }
 
-PointStatus status_of(const Resolution& resolved) {
+}  // namespace
+
+PointStatus status_of(const Resolution& resolved) noexcept {
     if (resolved.may_miss_accuracy()) {
         return PointStatus::inaccurate;
     }
@@ -47,8 +49,6 @@ PointStatus status_of(const Resolution& resolved) {
     }
     return resolved.estimate && resolved.estimate->amplifies ? PointStatus::chaotic : PointStatus::inaccurate;
 }
-
-}  // namespace
 
 std::string scene_refusal(const Scene& scene) {
     std::vector<Fault> wrong = validate(scene);

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "core/step_choice/finer_run.hpp"
+#include "hertzline/resolve.hpp"
 #include "hertzline/scene.hpp"
 #include "hertzline/spectrum.hpp"
 #include "measures/quantities.hpp"
@@ -45,6 +46,12 @@ constexpr std::optional<PointStatus> status_named(std::string_view word) noexcep
     }
     return std::nullopt;
 }
+
+/// Of a column of statuses.
+inline constexpr std::size_t status_bytes = 12;
+
+/// The status of a scene's run that did not fail.
+PointStatus status_of(const Resolution& resolved) noexcept;
 
 /// The measurements of a study, the same at every point.
 struct PointOptions {

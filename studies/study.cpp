@@ -29,7 +29,6 @@ using recordings::TableColumn;
 using recordings::TableRow;
 
 constexpr int journal_format = 2;
-constexpr std::size_t status_bytes = 12;
 constexpr std::size_t integrator_bytes = 16;
 constexpr std::size_t hash_bytes = 16;
 constexpr double exact_whole_numbers = 9007199254740992;  // 2^53: smaller integers are exact

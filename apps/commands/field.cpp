@@ -108,7 +108,7 @@ std::vector<recordings::TableColumn> field_columns() {
     for (const char* name : {"x_m", "y_m", "z_m"}) {
         columns.push_back({{name, "", "m"}});
     }
-    columns.push_back({{"status", "", ""}, CellKind::text, 2});
+    columns.push_back({{"status", "", ""}, CellKind::text, studies::status_bytes});
     columns.push_back({{"peak_pa", "", "Pa"}});
     columns.push_back({{"rms_pa", "", "Pa"}});
     for (std::size_t k = 1; k <= SpectrumAnalyser::max_harmonics; ++k) {
@@ -117,9 +117,17 @@ std::vector<recordings::TableColumn> field_columns() {
     return columns;
 }
 
-/// @throws std::runtime_error when the disk is too small for one of the files, or for the first one and the waveforms beside it
-void refuse_disk_shortages(const FieldOptions& options, const Scene& scene) {
+/// @throws std::runtime_error when the run is too long, the memory too small, or the disk for one of the files, or for the first one
+/// and the waveforms beside it
+void refuse_shortages(const FieldOptions& options, const Scene& scene, int jobs) {
     const auto points = static_cast<double>(scene.output.points_m.size());
+    throw_if(measures::longest_run_fault(scene));
+    const double numbers = points * static_cast<double>(field_columns().size() * sizeof(double));
+    if (const auto shortage =
+            measures::memory_shortage(fmt::format("a field with {} job{}", jobs, jobs == 1 ? "" : "s"),
+                                      studies::field_memory_bytes(scene, jobs) + numbers)) {
+        throw std::runtime_error(*shortage + "; fewer --jobs take less");
+    }
     const std::size_t samples =
         options.waveforms ? static_cast<std::size_t>(measures::rows_of_run(scene)) : 0;
     double kept = points * static_cast<double>(samples * sizeof(float));
@@ -133,9 +141,10 @@ void refuse_disk_shortages(const FieldOptions& options, const Scene& scene) {
 class FieldTable {
 public:
     /// @param files beside the first of which waveforms are kept
-    FieldTable(const studies::FieldGrid& grid, const Scene& scene, Json provenance,
-               std::span<const std::string> files, bool waveforms)
+    FieldTable(const studies::FieldGrid& grid, const Scene& scene, studies::PointStatus status,
+               Json provenance, std::span<const std::string> files, bool waveforms)
         : grid_(grid),
+          status_(status),
           numbers_(grid.size() * columns, std::numeric_limits<double>::quiet_NaN()),
           samples_(static_cast<std::size_t>(measures::rows_of_run(scene))) {
         if (waveforms) {
@@ -195,7 +204,7 @@ private:
     void read(std::int64_t row, recordings::TableRow& into) {
         const auto number = static_cast<std::size_t>(row);
         const studies::Point at = grid_.point(number);
-        into.cells = {row, at[0], at[1], at[2], std::string("ok")};
+        into.cells = {row, at[0], at[1], at[2], std::string(studies::word_of(status_))};
         const double* const numbers = numbers_.data() + number * columns;
         into.cells.insert(into.cells.end(), numbers, numbers + columns);
         if (waveforms_) {
@@ -204,6 +213,7 @@ private:
     }
 
     const studies::FieldGrid& grid_;
+    studies::PointStatus status_;  // of each point: they have one motion
     std::vector<double> numbers_;
     std::size_t samples_;
     std::unique_ptr<Waveforms> waveforms_;
@@ -262,7 +272,8 @@ Json provenance_of(Resolution resolved, const studies::FieldGrid& grid) {
 Exit field(const FieldOptions& options) {
     using Clock = std::chrono::steady_clock;
     const CheckedField asked = checked(options);
-    refuse_disk_shortages(options, asked.parsed.scene);
+    const int jobs = options.jobs.value_or(studies::usual_jobs());
+    refuse_shortages(options, asked.parsed.scene, jobs);
     auto resolved = resolved_scene(asked.parsed);
     if (!resolved) {
         throw WrongUse(fault_text(resolved.error()));
@@ -277,7 +288,8 @@ Exit field(const FieldOptions& options) {
         }
     }
     stop_asked();  // from here on there are files to be cleaned up
-    FieldTable table(asked.grid, scene, provenance_of(*resolved, asked.grid), options.files,
+    const studies::PointStatus status = studies::status_of(*resolved);
+    FieldTable table(asked.grid, scene, status, provenance_of(*resolved, asked.grid), options.files,
                      options.waveforms);
     const Clock::time_point start = Clock::now();
     const auto elapsed_s = [start] { return std::chrono::duration<double>(Clock::now() - start).count(); };
@@ -285,15 +297,13 @@ Exit field(const FieldOptions& options) {
     studies::PointCounts done;
     {
         ProgressLine line;
-        studies::run_field(
-            scene, options.jobs.value_or(studies::usual_jobs()), stop_asked(),
-            [&](const studies::FieldPoint& point) {
-                table.put(point);
-                ++done[studies::PointStatus::ok];
-                if (line.due()) {
-                    line.show(progress_text(done, static_cast<std::int64_t>(all), elapsed_s()));
-                }
-            });
+        studies::run_field(scene, jobs, stop_asked(), [&](const studies::FieldPoint& point) {
+            table.put(point);
+            ++done[status];
+            if (line.due()) {
+                line.show(progress_text(done, static_cast<std::int64_t>(all), elapsed_s()));
+            }
+        });
     }
     if (done.all() < static_cast<std::int64_t>(all)) {
         spdlog::error("stopped after {} of {} points; nothing was saved", done.all(), all);
@@ -313,6 +323,7 @@ Exit field(const FieldOptions& options) {
         summary["peak_near_focus_pa"] = table.peak_pa(nearest);
         summary["near_focus_m"] = asked.grid.point(nearest);
     }
+    summary["status"] = studies::word_of(status);
     summary["estimated_error"] = resolved->estimate ? Json(resolved->estimate->error) : Json(nullptr);
     summary["wall_s"] = elapsed_s();
     summary["files"] = options.files;

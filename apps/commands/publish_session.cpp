@@ -5,7 +5,6 @@
 #include <cstdint>
 #include <iterator>
 #include <map>
-#include <ranges>
 #include <string>
 #include <utility>
 #include <vector>
@@ -115,6 +114,9 @@ bool is_size(std::string_view text) {
 void add_publish_options(CLI::App& app, PublishRequest& request, const std::string& usual_on_overrun) {
     const std::map<std::string, stream::OnOverrun> on_overrun_words{{"drop", stream::OnOverrun::drop},
                                                                     {"wait", stream::OnOverrun::wait}};
+    std::vector<std::string> words;
+    std::ranges::transform(on_overrun_words, std::back_inserter(words),
+                           [](const auto& row) { return row.first; });
     app.add_option("--bind", request.endpoint, "where to publish: tcp://HOST:PORT or ipc://PATH")
         ->type_name("ENDPOINT")
         ->capture_default_str();
@@ -134,11 +136,10 @@ void add_publish_options(CLI::App& app, PublishRequest& request, const std::stri
                        usual_on_overrun + ")")
         ->transform(CLI::CheckedTransformer(on_overrun_words).description(""))
         ->transform(CLI::Validator(  // runs before the other, whose message is another
-            [on_overrun_words](std::string& text) {
-                return on_overrun_words.contains(text)
+            [words](std::string& text) {
+                return std::ranges::find(words, text) != words.end()
                            ? std::string()
-                           : fmt::format("found {}, allowed: {}", text,
-                                         fmt::join(std::views::keys(on_overrun_words), ", "));
+                           : fmt::format("found {}, allowed: {}", text, comma_separated(words));
             },
             ""))
         ->type_name("drop|wait");

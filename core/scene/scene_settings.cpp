@@ -72,6 +72,11 @@ std::string key_of(std::vector<std::string> path) {
 
 }  // namespace
 
+std::string full_key(std::string_view key) {
+    const std::vector<std::string_view> parts = split(key, '.');
+    return key_of({parts.begin(), parts.end()});
+}
+
 bool SceneSettings::add_file(std::string_view text) {
     auto entries = toml_entries(text);
     if (!entries) {

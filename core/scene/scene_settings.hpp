@@ -18,6 +18,9 @@ struct Setting {
     Place place;
 };
 
+/// The key as the table of keys has it: materials.NAME.density is materials.NAME.density_kg_per_m3.
+std::string full_key(std::string_view key);
+
 /// Collects settings; unknown keys and sections become faults.
 class SceneSettings {
 public:

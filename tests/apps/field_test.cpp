@@ -78,6 +78,34 @@ TEST(Field, WaveformsThatTheDiskCannotHoldAreRefusedAtOnce) {
     EXPECT_TRUE(std::filesystem::is_empty(folder.file("")));
 }
 
+TEST(Field, ThatTheMemoryOrASpectrumCannotHoldIsRefusedAtOnce) {
+    const TemporaryFolder folder;
+    const auto refusal = [&](const Words& settings) {
+        const Words plane{"field", "--plane", "x=-8mm..8mm:48,z=5mm", "--jobs",
+                          "64",    "-o",      folder.file("f.csv")};
+        const Outcome outcome = hertzline(with_quick(plane, settings));
+        EXPECT_EQ(outcome.status, 1);
+        return outcome.err;
+    };
+    EXPECT_THAT(
+        refusal({"--set", "output.sample_rate_hz=1e12"}),
+        testing::AllOf(HasSubstr("a field with 64 jobs"), HasSubstr("of memory"), HasSubstr("fewer --jobs")));
+    EXPECT_THAT(refusal({"--set", "output.sample_rate_hz=1e12", "--set", "output.duration_s=1"}),
+                HasSubstr("the longest record of a spectrum"));
+    EXPECT_TRUE(std::filesystem::is_empty(folder.file("")));
+}
+
+TEST(Field, ItsRowsHaveTheStatusOfTheMotion) {
+    const TemporaryFolder folder;
+    const std::string csv = folder.file("field.csv");
+    const Outcome outcome = hertzline(with_quick({"field", "--plane", "z=5mm,10mm", "-o", csv, "--json"},
+                                                 {"--set", "numerics.accuracy=1e-12"}));
+    ASSERT_EQ(outcome.status, 0) << outcome.err;
+    EXPECT_EQ(outcome.json()["status"], "inaccurate");
+    EXPECT_THAT(contents(csv),
+                testing::AllOf(HasSubstr(",0.005,inaccurate,"), HasSubstr(",0.01,inaccurate,")));
+}
+
 TEST(Field, SaysWhereTheSoundHasNotArrived) {
     const TemporaryFolder folder;
     const Outcome outcome =

@@ -348,6 +348,8 @@ TEST_F(Optimise, WrongUseIsToldBeforeAnythingRuns) {
         EXPECT_THAT(fault(with(sound, with(output, {"--seed", seed}))),
                     AllOf(HasSubstr("--seed"), HasSubstr("a whole number from 0 to 18446744073709551615")));
     }
+    EXPECT_THAT(fault(with(sound, with(output, {"--subject-to", "thd >= 1", "--subject-to", "thd_r = 1"}))),
+                AllOf(HasSubstr("--subject-to: found \"thd\""), HasSubstr("thd_r = 1")));
     EXPECT_THAT(fault({"optimise", "paper-wall", "--vary", "chain.sphere=1", "--subject-to", "x"}),
                 AllOf(HasSubstr("-o FILE is missing"), HasSubstr("--maximise or --minimise is missing"),
                       HasSubstr("--subject-to: found \"x\""), HasSubstr("did you mean 'chain.spheres'?")));

@@ -190,6 +190,14 @@ TEST_F(LongSweep, WhenFinishedIsLeftAsItIs) {
         EXPECT_THAT(other.err,
                     AllOf(HasSubstr("found another scene"), HasSubstr("without --resume it is replaced")));
         EXPECT_EQ(fs::last_write_time(folder.file(name)), before);
+        for (const Words& beside : {Words{}, Words{"--set", "chain.spheres=4"}}) {
+            const Outcome second = hertzline(with(with(command, {"-o", folder.file("other.csv")}), beside));
+            EXPECT_EQ(second.status, 2);
+            EXPECT_THAT(second.err, HasSubstr(beside.empty() ? "other.csv: found no file, beside another one"
+                                                             : "found another scene"));
+            EXPECT_FALSE(fs::exists(folder.file("other.csv")));
+            EXPECT_EQ(fs::last_write_time(folder.file(name)), before);
+        }
     }
 }
 

@@ -235,8 +235,19 @@ TEST(Sweep, WrongUseIsToldBeforeAnythingRuns) {
     EXPECT_THAT(fault(with(vary, {"--json", "--quantity", "thd"})), HasSubstr("--quantity: found \"thd\""));
     EXPECT_THAT(fault(with(vary, {"--json", "--set", "chain.spheres=5"})), HasSubstr("a key that varies"));
     EXPECT_THAT(fault(with(vary, {"--json", "--resume"})), HasSubstr("--resume needs -o FILE"));
-    EXPECT_THAT(fault({"--merge", "x.journal", "--resume", "-o", "x.h5"}),
-                HasSubstr("--merge: found options"));
+    const std::string epoxy = folder.file("epoxy.toml");
+    write_text(epoxy,
+               "[materials.epo]\nyoungs_modulus_pa = 8e9\npoissons_ratio = 0.33\ndensity_kg_per_m3 = 2100\n");
+    EXPECT_THAT(fault({epoxy, "--vary", "materials.epo.density=2e3,3e3", "--set",
+                       "materials.epo.density_kg_per_m3=5e3", "--json"}),
+                HasSubstr("a key that varies"));
+    EXPECT_THAT(fault({epoxy, "--vary", "materials.epo.density_kg_per_m3=2e3,3e3", "--set",
+                       "materials.epo.density=5e3", "--json"}),
+                HasSubstr("a key that varies"));
+    for (const Words& option : {Words{"--resume"}, Words{"--band-from", "3"}, Words{"--jobs", "1"}}) {
+        EXPECT_THAT(fault(with({"--merge", "x.journal", "-o", "x.h5"}, option)),
+                    HasSubstr("--merge: found options"));
+    }
     const Outcome nowhere = hertzline(with({"sweep"}, with(vary, {"-o", folder.file("no/a.csv")})));
     EXPECT_EQ(nowhere.status, 1);
     EXPECT_THAT(nowhere.err, HasSubstr("no/a.csv"));

@@ -30,9 +30,10 @@ constexpr const char* examples =
     "  hertzline optimise my-scene.toml --vary chain.spheres=3..12 --vary end.material=pyrex,acrylic \\\n"
     "      --minimise thd_r --evaluations 300 --seed 7 -o search.csv";
 
-std::optional<studies::Goal> goal_of(const OptimiseOptions& options, Faults& others) {
-    Faults faults;
-    if (options.maximise.empty() == options.minimise.empty()) {
+/// The goal as far as it can be read; nothing where it has no measure. Adds the faults.
+std::optional<studies::Goal> goal_of(const OptimiseOptions& options, Faults& faults) {
+    const bool has_measure = options.maximise.empty() != options.minimise.empty();
+    if (!has_measure) {
         faults.add(options.maximise.empty() ? "--maximise or --minimise is missing: give one MEASURE"
                                             : "--maximise and --minimise: found both, allowed: one of them");
     }
@@ -43,8 +44,7 @@ std::optional<studies::Goal> goal_of(const OptimiseOptions& options, Faults& oth
             goal.constraints.push_back(*std::move(constraint));
         }
     }
-    others.add(faults);
-    return faults.none() ? std::optional(std::move(goal)) : std::nullopt;
+    return has_measure ? std::optional(std::move(goal)) : std::nullopt;
 }
 
 /// Returns a sweep over the ranges, which checks them and estimates the memory of points. Or adds the faults.

@@ -74,19 +74,30 @@ std::optional<recordings::WrittenTable> finished_table(const SweepOptions& optio
     const bool whole = options.resume && !options.files.empty() && study.shard.parts == 1;
     const auto is_there = [](const std::string& file) { return fs::is_regular_file(file); };
     if (!whole || has_begun(journal_name(options.files.front(), study.shard)) ||
-        !std::ranges::all_of(options.files, is_there)) {
+        std::ranges::none_of(options.files, is_there)) {
         return std::nullopt;
     }
+    const std::string_view kind = study.is_search() ? "search" : "sweep";
     std::optional<recordings::WrittenTable> first;
     for (const std::string& file : options.files) {
+        if (!is_there(file)) {
+            continue;
+        }
         recordings::WrittenTable written = recordings::read_table(file, studies::records_name);
         if (const auto difference = studies::table_difference(written, study, but)) {
             throw WrongUse(
                 fmt::format("{}: found {}, allowed: the table of the same {}, made by the same program; "
                             "without --resume it is replaced",
-                            printable(file), *difference, study.is_search() ? "search" : "sweep"));
+                            printable(file), *difference, kind));
         }
         first = first ? std::move(first) : std::optional(std::move(written));
+    }
+    if (const auto missing = std::ranges::find_if_not(options.files, is_there);
+        missing != options.files.end()) {
+        throw WrongUse(fmt::format(
+            "{}: found no file, beside another one with this {}, allowed: -o with the tables that are there; "
+            "without --resume the {} is made anew",
+            printable(*missing), kind, kind));
     }
     return first;
 }

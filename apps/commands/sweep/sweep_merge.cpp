@@ -70,7 +70,8 @@ void refuse_options_beside_merge(const SweepOptions& options) {
     Faults faults;
     if (!options.scene.scene.empty() || !options.scene.settings.empty() || !options.vary.empty() ||
         !options.points.empty() || options.sobol || options.resume || !options.shard.empty() ||
-        !options.quantities.empty() || !options.measures.empty() || !options.waveform.empty()) {
+        !options.quantities.empty() || !options.measures.empty() || !options.waveform.empty() ||
+        options.band_from_hz || options.jobs) {
         faults.add("--merge: found options of a sweep, allowed: -o, --json; the journals have the others");
     } else {
         check_output(options, faults);

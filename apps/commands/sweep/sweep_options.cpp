@@ -10,6 +10,7 @@
 
 #include "apps/arguments/options.hpp"
 #include "apps/commands/sweep/shard_argument.hpp"
+#include "core/scene/scene_settings.hpp"
 #include "core/scene/text.hpp"
 #include "measures/tap_names.hpp"
 #include "recordings/drive_record.hpp"
@@ -56,7 +57,8 @@ std::optional<std::string> points_text(const std::string& name, Faults& faults) 
 /// Adds the faults of --set of a key that varies.
 void check_set_keys(const SweepOptions& options, const studies::SweepPlan& plan, Faults& faults) {
     for (const std::string& setting : options.scene.settings) {
-        const std::string key(trimmed(std::string_view(setting).substr(0, setting.find('=')), " \t"));
+        const std::string key =
+            full_key(trimmed(std::string_view(setting).substr(0, setting.find('=')), " \t"));
         if (std::ranges::find(plan.keys(), key, &SceneKey::name) != plan.keys().end()) {
             faults.add("--set " + printable(setting), "found a key that varies, allowed: one that does not");
         }
