@@ -6,6 +6,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "core/scene/text.hpp"
 #include "measures/provenance.hpp"
 #include "stream/inputs/replay_source.hpp"
 #include "tests/fuzz/claim.hpp"
@@ -27,8 +28,7 @@ void claim_head(const RecordingHead& head) {
     for (const Column& column : head.columns) {
         const std::string names = column.name + ", " + column.quantity + ", " + column.unit;
         claim_message(names, longest_message);
-        claim(std::ranges::all_of(names, [](char c) { return c >= ' ' && c <= '~'; }),
-              "columns have names in ASCII, as a frame has", names);
+        claim(is_plain(names), "columns have names in UTF-8 that can be shown", names);
     }
     claim(provenance_of_meta(head.provenance).is_object(), "a replay can say where its samples come from");
     claim(std::isfinite(head.sample_rate_hz) && head.sample_rate_hz >= 0, "a rate is a number");
