@@ -123,11 +123,7 @@ void refuse_shortages(const FieldOptions& options, const Scene& scene, int jobs)
     const auto points = static_cast<double>(scene.output.points_m.size());
     throw_if(measures::longest_run_fault(scene));
     const double numbers = points * static_cast<double>(field_columns().size() * sizeof(double));
-    if (const auto shortage =
-            measures::memory_shortage(fmt::format("a field with {} job{}", jobs, jobs == 1 ? "" : "s"),
-                                      studies::field_memory_bytes(scene, jobs) + numbers)) {
-        throw std::runtime_error(*shortage + "; fewer --jobs take less");
-    }
+    refuse_memory_shortage("a field", jobs, studies::field_memory_bytes(scene, jobs) + numbers);
     const std::size_t samples =
         options.waveforms ? static_cast<std::size_t>(measures::rows_of_run(scene)) : 0;
     double kept = points * static_cast<double>(samples * sizeof(float));

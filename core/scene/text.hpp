@@ -40,8 +40,8 @@ Character first_character(std::string_view text) noexcept;
 /// Whether the text is UTF-8.
 bool is_utf8(std::string_view text) noexcept;
 
-/// Whether the text is UTF-8 without characters that a terminal acts on (control characters, ends of lines and paragraphs, those
-/// that turn the direction of writing) or that nobody sees.
+/// Whether the text is UTF-8 without invisible characters and those that a terminal acts on: control characters, ends of lines
+/// and paragraphs, changes of the direction of writing.
 bool is_plain(std::string_view text) noexcept;
 
 /// The character as an escape of TOML: "\u00FC".

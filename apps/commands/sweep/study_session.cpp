@@ -125,12 +125,16 @@ void begin_or_compare(Journal& journal, const Study& study, bool resume) {
     }
 }
 
-void refuse_shortages(const SweepOptions& options, std::string_view study, int jobs,
-                      const StudyNeeds& needs) {
+void refuse_memory_shortage(std::string_view study, int jobs, double bytes) {
     if (const auto shortage = measures::memory_shortage(
-            fmt::format("{} with {} job{}", study, jobs, jobs == 1 ? "" : "s"), needs.memory_bytes)) {
+            fmt::format("{} with {} job{}", study, jobs, jobs == 1 ? "" : "s"), bytes)) {
         throw std::runtime_error(*shortage + "; fewer --jobs take less");
     }
+}
+
+void refuse_shortages(const SweepOptions& options, std::string_view study, int jobs,
+                      const StudyNeeds& needs) {
+    refuse_memory_shortage(study, jobs, needs.memory_bytes);
     if (options.files.empty()) {
         return;
     }

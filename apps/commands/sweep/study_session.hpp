@@ -58,6 +58,9 @@ struct StudyNeeds {
     double disk_bytes = 0;  ///< journal and tables
 };
 
+/// @throws std::runtime_error when the memory is too small for a study ("a sweep") with so many jobs
+void refuse_memory_shortage(std::string_view study, int jobs, double bytes);
+
 /// @throws std::runtime_error when memory or disk do not suffice. @param study "a sweep"
 void refuse_shortages(const SweepOptions& options, std::string_view study, int jobs, const StudyNeeds& needs);
 

@@ -5,7 +5,7 @@ import numpy as np
 
 from .recordings import recording_of
 from .spectra import HARMONICS, levels_up_to, prepare_spectrum, spectrum
-from .style import COLOURS, WrongUse, plain_text, note, titled, unit_of_time, use_style
+from .style import COLOURS, WrongUse, note, plain_text, titled, unit_of_time, use_style
 from .tables import MAX_WAVEFORMS, read_waveforms
 from .waveforms import draw, draw_waveform
 

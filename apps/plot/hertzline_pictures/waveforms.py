@@ -7,7 +7,7 @@ from matplotlib.collections import LineCollection
 
 from .recordings import MAX_STRETCHES, furthest_from_0
 from .spectra import HARMONICS, draw_spectrum, prepare_spectrum
-from .style import COLOURS, plain_text, note, scale_of_unit, titled, unit_of_time, use_style
+from .style import COLOURS, note, plain_text, scale_of_unit, titled, unit_of_time, use_style
 
 FEWEST_ROWS = 4  # of a map of a chain over time; fewer spheres have a waveform each
 OF_CHAIN = {"v_chain": "velocity", "x_chain": "displacement", "f_chain": "force"}
