@@ -2,7 +2,6 @@
 import {withUnit} from './axes.js';
 
 const SECTIONS_OPEN = ['drive'];
-const JUST_TURNED_MS = 1000;  // a value that comes meanwhile may be older than the turn
 
 /** Returns a list as the stream reads it, numbers with their unit: "[0.2 mm, 20 um]". */
 function listText(list, unit, digits) {
@@ -35,6 +34,10 @@ export class Knobs {
 
   show(knobs, scene) {
     this.there = knobs?.there === true;
+    if (scene?.run !== this.run) {
+      this.run = scene?.run;
+      this.rows.forEach((row) => { row.changedIn = 0; });
+    }
     const values = this.there ? knobs.values : shownOnly(scene);
     const kinds = Object.entries(values).map(([key, {kind}]) => `${key} ${kind}`).join();
     if (kinds !== this.kinds) {
@@ -43,7 +46,7 @@ export class Knobs {
     }
     for (const [key, knob] of Object.entries(values)) {
       const row = this.rows.get(key);
-      row?.update(knob, this.there, this.isPending(key));
+      row?.update(knob, this.there, knobs?.epoch);
       const needs = scene?.keys?.[key]?.needs;
       row?.show(!needs || needs.words.includes(values[needs.key]?.value));
     }
@@ -59,10 +62,10 @@ export class Knobs {
     }
   }
 
-  /** These keys were changed. */
-  accept(keys) {
+  /** These keys were changed: from this epoch on they have the new values. */
+  accept(keys, epoch) {
     for (const key of keys) {
-      this.rows.get(key)?.clear();
+      this.rows.get(key)?.accept(epoch);
     }
   }
 
@@ -88,7 +91,7 @@ export class Knobs {
         this.place.append(box);
         sections.set(section, box);
       }
-      const row = new Knob(key, knob, (value) => this.set(key, value));
+      const row = new Knob(key, knob, (value) => this.set(key, value), () => this.isPending(key));
       this.rows.set(key, row);
       sections.get(section).append(row.element);
     }
@@ -96,10 +99,11 @@ export class Knobs {
 }
 
 class Knob {
-  constructor(key, knob, set) {
+  constructor(key, knob, set, isPending) {
     this.key = key;
     this.set = set;
-    this.turnedAt = -Infinity;
+    this.isPending = isPending;
+    this.changedIn = 0;  // epoch
     this.element = document.createElement('div');
     this.element.className = Array.isArray(knob.value) || knob.kind === 'list' ? 'knob list' : 'knob';
     const label = document.createElement('label');
@@ -147,6 +151,7 @@ class Knob {
       Object.assign(input, {type: 'text', autocomplete: 'off', autocapitalize: 'off', spellcheck: false});
       input.onchange = () => this.setText(input.value.trim());
       input.oninput = () => input.removeAttribute('aria-invalid');
+      input.onblur = () => this.takeValue();
     }
     return input;
   }
@@ -196,10 +201,9 @@ class Knob {
       say(value());
       this.set(value());
     };
-    const letGo = () => { this.turning = false; slider.value = '0'; say(this.value); };
+    const letGo = () => { this.turning = false; this.takeValue(); slider.value = '0'; say(this.value); };
     slider.onchange = () => {
       this.value = value();  // the next turn begins there, whether it is known or not
-      this.turnedAt = performance.now();
       this.set(this.value);
       letGo();
     };
@@ -222,42 +226,51 @@ class Knob {
 
   /** A change was refused: shows the reason. A text stays, marked as wrong, while the user is at it. */
   refuse(reason) {
-    this.value = this.knob.value;
     this.fault.textContent = reason;
-    if (document.activeElement === this.input && this.input.type === 'text') {
+    if (this.isTypedInto()) {
       this.input.setAttribute('aria-invalid', 'true');
-      this.input.onblur = () => { this.input.onblur = null; this.showValue(); };
-    } else {
-      this.showValue();
     }
+    this.takeValue();
   }
 
-  clear() {
+  accept(epoch) {
+    this.changedIn = epoch;
     this.fault.textContent = '';
     this.input.removeAttribute('aria-invalid');
   }
 
-  /** @param pending a change of it has no answer yet: the value is older */
-  update(knob, there, pending) {
-    this.turnedAt = pending ? performance.now() : this.turnedAt;
-    this.knob = knob;
+  /** @param epoch that the value belongs to */
+  update(knob, there, epoch) {
+    Object.assign(this, {knob, there, epoch});
     this.input.disabled = !there;
     if (this.slider) {
       this.slider.disabled = !there;
     }
-    if (!this.turning && performance.now() - this.turnedAt > JUST_TURNED_MS) {
+    this.say(this.use, `${this.text(knob.value)} in use`);
+    this.takeValue();
+  }
+
+  /** Begins at the value in use, unless it is older than a change that this page has asked for. */
+  takeValue() {
+    const {knob} = this;
+    if (!this.turning && !this.isPending() && !(this.epoch < this.changedIn)) {
       this.value = knob.value;
-      if (document.activeElement !== this.input) {
+      if (!this.isTypedInto()) {
         this.showValue();
       }
     }
-    const unit = knob.unit ?? '';
-    const text = (value) => (Array.isArray(value) ? listText(value, unit) : typeof value === 'number' ? withUnit(value, unit) : String(value ?? '\u2013'));
-    this.say(this.use, `${text(knob.value)} in use`);
+    const text = (value) => this.text(value);
     const {minimum, maximum} = knob;
     const allowed = minimum !== undefined && knob.kind !== 'list' ? `allowed: ${text(minimum)} to ${text(maximum)}` : knob.allowed ?? knob.description ?? '';
-    const slider = this.slider && there ? `slider: ${this.sliderEnds().map(text).join(' to ')}; ` : '';
+    const slider = this.slider && this.there ? `slider: ${this.sliderEnds().map(text).join(' to ')}; ` : '';
     this.say(this.limits, slider + allowed);
+  }
+
+  isTypedInto() { return document.activeElement === this.input && this.input.type === 'text'; }
+
+  text(value) {
+    const unit = this.knob.unit ?? '';
+    return Array.isArray(value) ? listText(value, unit) : typeof value === 'number' ? withUnit(value, unit) : String(value ?? '\u2013');
   }
 
   /** A key that has no effect in this scene is out of the way. */

@@ -273,7 +273,7 @@ function showAnswer({to, answer}) {
     $('knob-answer').textContent = keys.length > 0 && knobs.there ? `Refused: ${keys.join(', ')}.`
       : faults.map((fault) => fault.message ?? `${fault.key}: found ${fault.found}, allowed: ${fault.allowed}`).join(' ');
   } else {
-    knobs.accept(keys);
+    knobs.accept(keys, answer.epoch);
     const warnings = (answer.warnings ?? []).map((warning) => ` Warning: ${warning}`).join('');
     $('knob-answer').textContent = `${what}: from sample ${answer.applies_at_sample} on (epoch ${answer.epoch}).${warnings}`;
   }
@@ -372,14 +372,6 @@ function take(text) {
     }
     showScene();
   }
-  if (text.knobs) {
-    knobsText = text.knobs;
-    $('knob-text').textContent = knobsText.text;
-    $('undo').disabled = !knobsText.there;
-  }
-  if (text.knobs || text.scene) {
-    knobs.show(knobsText, scene);
-  }
   for (const reply of text.replies ?? []) {
     if (reply.scene_toml) {
       download('scene.toml', 'application/toml', reply.scene_toml);
@@ -388,6 +380,14 @@ function take(text) {
     } else if (reply.error) {
       $('view-fault').textContent = reply.error;
     }
+  }
+  if (text.knobs) {  // which may be newer than the replies, never older
+    knobsText = text.knobs;
+    $('knob-text').textContent = knobsText.text;
+    $('undo').disabled = !knobsText.there;
+  }
+  if (text.knobs || text.scene) {
+    knobs.show(knobsText, scene);
   }
   if (text.state) {
     state = text;

@@ -289,11 +289,22 @@ const promises = {
     }
     const turned = before * 2 ** 0.2;
     await until(this.page, (wanted) => Math.abs(window.hertzline.scene.scene.drive.amplitude_m / wanted - 1) < 0.01, turned);
-    await this.page.evaluate(() => window.sendAtOnce());
     await this.page.evaluate(() => document.activeElement.blur());
+    const other = await open(chromium, url);
+    await until(other, () => document.getElementById('use-drive.cycles').textContent === '25 in use');
     await this.page.fill('[id="knob-drive.amplitude_m"]', String(before));
     await this.page.press('[id="knob-drive.amplitude_m"]', 'Enter');
+    const cycles = async (text) => {
+      await other.fill('[id="knob-drive.cycles"]', text);
+      await other.press('[id="knob-drive.cycles"]', 'Enter');
+      await until(this.page, (value) => document.getElementById('use-drive.cycles').textContent === `${value} in use`, text);
+    };
+    await cycles('24');  // new values come while the change of this page has no answer yet
     await until(this.page, (wanted) => window.hertzline.scene.scene.drive.amplitude_m === wanted, before);
+    await until(this.page, () => document.getElementById('limits-drive.amplitude_m').textContent.startsWith('slider: 750 nm to 12 \u00b5m'));
+    await this.page.evaluate(() => window.sendAtOnce());
+    await cycles('25');
+    await other.context().close();
   },
   async 'saves scene and pictures'() {
     for (const [button, beginning] of [['#save-scene', '# The scene'], ['#save-png', '\x89PNG'], ['#save-svg', '<svg']]) {
