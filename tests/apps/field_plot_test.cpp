@@ -71,6 +71,15 @@ TEST(FieldPlot, BeamHasALineSixDecibelsUnderItsPeak) {
                 AllOf(HasSubstr("<!-- \u22126 dB -->"), HasSubstr("<!-- x [mm] -->")));
 }
 
+TEST(FieldPlot, BoxIsThreePlanesThroughItsLargestValue) {
+    const Fields fields;
+    fields.make("box.csv", "x=-4mm..4mm:3,y=-2mm..4mm:4,z=5mm,10mm", {});
+    EXPECT_THAT(
+        fields.drawn("box.csv", {}),
+        AllOf(HasSubstr("<!-- x = 0 mm -->"), HasSubstr("<!-- y = 0 mm -->"), HasSubstr("<!-- z = 5 mm -->"),
+              HasSubstr("<!-- y [mm] -->"), HasSubstr("peak_pa [Pa]")));
+}
+
 TEST(FieldPlot, SpectrumIsThatOfTheLargestPeakOrOfChosenPoints) {
     const Fields fields;
     fields.make("plane.h5", "x=-4mm..4mm:3,z=5mm,10mm");

@@ -170,28 +170,40 @@ def draw_search(sweep, title):
     return titled(figure, title)
 
 
+def sections_of(box, quantity):
+    """Of a field over a box the three planes through its largest value: (points, quantity, where)."""
+    values = box.columns[quantity]
+    at = np.argmax(np.where(np.isfinite(values), values, -np.inf))
+    return [(box.section(key, box.columns[key][at]), quantity, f"{key[0]} = {1e3 * box.columns[key][at]:.6g} mm") for key in box.keys]
+
+
 def draw_sweep(sweep, quantities, title, panels=None):
     """An axes for each quantity. `panels` are axes of the caller's."""
     if sweep.search and not quantities and panels is None:
         return draw_search(sweep, title)
-    if len(sweep.keys) > 2:
+    is_box = sweep.is_field and len(sweep.keys) == 3
+    if len(sweep.keys) > 2 and not is_box:
         raise WrongUse(f"found {len(sweep.keys)} keys that vary ({', '.join(sweep.keys)}), allowed: one or two")
     use_style()
     quantities = sweep.chosen(quantities)
     is_map = len(sweep.numbers) == 2
+    drawn = ([section for quantity in quantities for section in sections_of(sweep, quantity)] if is_box else
+             [(sweep, quantity, "") for quantity in quantities])
     if panels is None:
-        rows, columns, size = ((1, len(quantities), (5.4 * len(quantities), 4.2)) if is_map else
+        rows, columns, size = ((len(quantities), 3, (16.2, 4.2 * len(quantities))) if is_box else
+                               (1, len(quantities), (5.4 * len(quantities), 4.2)) if is_map else
                                (len(quantities), 1, (7, 0.6 + 2.6 * len(quantities))))
         _, panels = plt.subplots(rows, columns, figsize=size, layout="constrained", squeeze=False)
     panels = np.ravel(panels)
-    if len(panels) != len(quantities):
-        raise ValueError(f"axes: found {len(panels)}, allowed: {len(quantities)}, one for each quantity")
+    if len(panels) != len(drawn):
+        raise ValueError(f"axes: found {len(panels)}, allowed: {len(drawn)}, {'three' if is_box else 'one'} for each quantity")
     figure = panels[0].figure
-    for axes, quantity in zip(panels, quantities):
-        if is_map:
-            draw_map(figure, axes, sweep, quantity)
+    for axes, (part, quantity, text) in zip(panels, drawn):
+        if is_map or is_box:
+            draw_map(figure, axes, part, quantity)
         else:
-            draw_curves(axes, sweep, quantity)
+            draw_curves(axes, part, quantity)
+        axes.set_title(text, fontsize=9)
     return titled(figure, title)
 
 

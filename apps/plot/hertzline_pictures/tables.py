@@ -85,7 +85,7 @@ class Sweep:
     """A table, its varied keys, and the points that have numbers."""
 
     def __init__(self, columns, units, provenance):
-        self.columns, self.units = columns, units
+        self.columns, self.units, self.provenance = columns, units, provenance
         self.search = provenance.get("search")  # the request of `hertzline optimise`; None: it is a sweep
         self.focus_m = object_in(object_in(provenance.get("scene")).get("array")).get("focus_m")
         names = list(self.columns)
@@ -108,6 +108,11 @@ class Sweep:
         if self.is_field:
             return 1e3 * self.columns[key], f"{key[0]} [mm]"
         return self.columns[key], self.label(key)
+
+    def section(self, key, value):
+        """The points where a key has this value."""
+        there = self.columns[key] == value
+        return Sweep({name: column[there] for name, column in self.columns.items()}, self.units, self.provenance)
 
     def focus(self):
         """The array's focus by the name of each coordinate [m], where it lies on the line or plane of the points; else None."""
