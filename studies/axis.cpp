@@ -205,6 +205,8 @@ std::optional<Axis> AxisReader::read(SceneKey key, std::string_view text) {
     text = without_blanks(text);
     if (!axis_.key.traits.is_text && text.find("..") != std::string_view::npos) {  // a path may have dots
         read_range(text);
+    } else if (axis_.key.kind != ValueKind::word && text.find(':') != std::string_view::npos) {
+        refuse(text, form_of(axis_.key.name, sampling_));  // a count without a range
     } else {
         read_list(text);
     }

@@ -1,6 +1,9 @@
 #include "studies/point_list.hpp"
 
 #include <algorithm>
+#include <cstddef>
+#include <iterator>
+#include <optional>
 #include <string>
 #include <utility>
 
@@ -19,6 +22,7 @@ std::string_view bare_cell(std::string_view cell) {
 }
 
 /// The lines of a CSV that are not empty, cell by cell. Keys and values have neither commas nor quotes of their own.
+/// Of a table of sweep, which begins with "point", the cells are those of its keys, which end before "status".
 class Rows {
 public:
     explicit Rows(std::string_view text) : rest_(text) {
@@ -36,6 +40,13 @@ public:
             if (!line.empty()) {
                 std::vector<std::string_view> cells = split(line, ',');
                 std::ranges::transform(cells, cells.begin(), bare_cell);
+                if (!end_) {
+                    const bool is_table = cells.front() == "point";
+                    end_ = is_table ? std::ranges::find(cells, "status") - cells.begin() : 0;
+                }
+                if (*end_ > 0 && *end_ < std::ssize(cells)) {
+                    cells = {cells.begin() + 1, cells.begin() + *end_};
+                }
                 return cells;
             }
         }
@@ -45,6 +56,7 @@ public:
 
 private:
     std::string_view rest_;
+    std::optional<std::ptrdiff_t> end_;  ///< of a table's keys; 0: it is none
     int line_ = 0;
 };
 

@@ -31,7 +31,8 @@ struct PointColumn {
     std::vector<SceneValue> values;
 };
 
-/// Reads the text of a CSV. Cells may be quoted. Each value must be allowed for its key by itself.
+/// Reads the text of a CSV, or of a table of sweep, whose keys stand between "point" and "status". Cells may be quoted. Each value must
+/// be allowed for its key by itself.
 /// @param scene the base scene @param origin name of the file in messages
 /// @returns the points, at least one, or the first dozen faults with their lines
 tl::expected<PointList, std::vector<Fault>> parse_points(const Scene& scene, std::string_view text,

@@ -11,7 +11,9 @@
 #include "core/scene/json.hpp"
 #include "tests/apps/program.hpp"
 #include "tests/apps/quick_points.hpp"
+#include "tests/support/files.hpp"
 #include "tests/support/recordings.hpp"
+#include "tests/support/temporary_folder.hpp"
 
 namespace hertzline::test {
 
@@ -81,6 +83,19 @@ void expect_row_of_run(const json& row, const Words& run) {
             EXPECT_EQ(row[column], value) << name;
         }
     }
+}
+
+TEST(Sweep, ATableIsAListOfPoints) {
+    const TemporaryFolder folder;
+    const std::string table = folder.file("a.csv");
+    const std::string again = folder.file("b.csv");
+    const Words keys{"--vary", "chain.preload_n=0.1,0.2", "--vary", "end.kind=free,wall"};
+    const Outcome first = hertzline(with(quick_sweep, with(keys, {"-o", table, "--json"})));
+    ASSERT_EQ(first.status, 0) << first.err;
+    const Outcome second = hertzline(with(quick_sweep, {"--points", table, "-o", again, "--json"}));
+    ASSERT_EQ(second.status, 0) << second.err;
+    EXPECT_THAT(rows_of(second), SizeIs(4));
+    EXPECT_EQ(contents(again), contents(table));
 }
 
 TEST(Sweep, ARowHasAllThatRunSays) {

@@ -181,6 +181,24 @@ TEST(SweepPlan, AListOfPointsIsTakenAsItIs) {
     EXPECT_EQ(plan.name(1), "point 1 (chain.preload_n=1, end.material=acrylic)");
 }
 
+TEST(SweepPlan, ATableOfASweepIsAListOfTheValuesOfItsKeys) {
+    const std::string table =
+        "point,chain.preload_n,end.material,status,reason,peak_v_out_m_per_s\r\n"
+        "7,0.5,pyrex,refused,\"no, not this\",nan\r\n8,1,acrylic,ok,,0.1\r\n";
+    const auto points = parse_points(base(), table, "a.csv");
+    ASSERT_TRUE(points) << fault_text(points.error());
+    ASSERT_EQ(points->size(), 2U);
+    EXPECT_THAT(points->values,
+                ElementsAre(SceneValue(0.5), SceneValue("pyrex"), SceneValue(1.0), SceneValue("acrylic")));
+    EXPECT_THAT(first_settings(table), ElementsAre("chain.preload_n=0.5", "end.material=pyrex"));
+    const auto without_status = parse_points(base(), "point,chain.preload_n\n1,2\n", "a.csv");
+    ASSERT_FALSE(without_status);
+    EXPECT_THAT(fault_text(without_status.error()), HasSubstr("a.csv:1: found \"point\""));
+    const auto short_line = parse_points(base(), "point,chain.preload_n,status\n1,2\n", "a.csv");
+    ASSERT_FALSE(short_line);
+    EXPECT_THAT(fault_text(short_line.error()), HasSubstr("a.csv:2: found 2 values, allowed: 1"));
+}
+
 TEST(SweepPlan, OfValuesIsThatOfTheirText) {
     const std::vector<std::pair<std::string, std::vector<SceneValue>>> axes{
         {"chain.preload_n=0.1,0.25,1", {0.1, 0.25, std::int64_t{1}}},
@@ -254,6 +272,8 @@ TEST(SweepPlan, KeysThatAreNotThereAreNamed) {
     EXPECT_THAT(faults_of("materials.mine.sound_speed_m_per_s=1,2"), HasSubstr("a key of the scene"));
     EXPECT_THAT(faults_of("chain=1"), HasSubstr("a key of the scene"));
     EXPECT_THAT(faults_of("nonsense"), HasSubstr("KEY=FROM..TO"));
+    EXPECT_THAT(faults_of("chain.preload_n=0.1:5"),
+                HasSubstr("found \"0.1:5\", allowed: chain.preload_n=FROM..TO:COUNT"));
     EXPECT_THAT(faults_of("=1,2"), HasSubstr("a key of the scene"));
 }
 
