@@ -134,6 +134,11 @@ public:
 
 private:
     std::string warning() const override {
+        if (peak_ > 0 && peak_ < std::numeric_limits<float>::min()) {
+            return fmt::format("{} reaches {:.4g}, too little for float32 at a full scale of {}",
+                               head().columns[peak_column_].name, peak_ * head().full_scale,
+                               number_text(head().full_scale));
+        }
         if (!(peak_ > 1)) {
             return {};
         }

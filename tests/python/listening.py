@@ -1,4 +1,5 @@
 """Streams: every sample arrives, and missing ones raise an exception or are marked."""
+import copy
 import json
 import os
 import pickle
@@ -119,6 +120,10 @@ class Listening(InAFolder):
         with hertzline.listen("tcp://127.0.0.1:9", timeout_s=0.3) as live:
             with self.assertRaisesRegex(TimeoutError, "nothing arrived from tcp://127.0.0.1:9"):
                 next(live)
+            with self.assertRaises(TimeoutError):  # not as if the run were over
+                next(live)
+            with self.assertRaisesRegex(TypeError, "neither be copied nor pickled"):
+                copy.copy(live)
 
     def test_a_tap_that_the_run_does_not_have_is_a_value_error(self):
         publisher = Publisher([], 0)

@@ -84,8 +84,28 @@ class Runs(InAFolder):
         self.assertTrue(np.array_equal(spectrum.frequency_hz, lines[:, 0]))
         self.assertTrue(np.array_equal(spectrum.amplitude, lines[:, 1]))
         self.assertEqual(spectrum.measures["harmonics_db"], r.summary["harmonics_db"])
-        with self.assertRaisesRegex(ValueError, "found an array of 2 dimensions"):
-            short_scene().run(taps=["v_chain"]).spectrum("v_chain")
+
+    def test_one_channel_has_the_name_of_its_column(self):
+        r = short_scene().run(taps=["v_chain", "x_chain"])
+        self.assertTrue(np.array_equal(r["v3_m_per_s"], r["v_chain"][:, 2]))
+        self.assertTrue(np.array_equal(r["x6_m"], r["x_chain"][:, 5]))
+        self.assertEqual((r.unit("x6_m"), r.unit("v3_m_per_s")), ("m", "m/s"))
+        self.assertTrue(np.shares_memory(r["v3_m_per_s"], r["v_chain"]))
+        r.save(self.folder / "a.h5")
+        lines = hertzline.load(self.folder / "a.h5").spectrum("v3_m_per_s")
+        self.assertTrue(np.array_equal(r.spectrum("v3_m_per_s").amplitude, lines.amplitude))
+        for name in ("v0_m_per_s", "v7_m_per_s", "v_last_m_per_s"):
+            with self.assertRaises(KeyError):
+                _ = r[name]
+        with self.assertRaisesRegex(ValueError, "found samples of several channels, allowed: one, as \"v3_m_per_s\" of v_chain"):
+            r.spectrum("v_chain")
+
+    def test_a_wav_that_its_full_scale_does_not_fit_is_told(self):
+        r = short_scene().run()
+        with self.assertWarnsRegex(UserWarning, "recording .*a.wav: .* beyond the full scale of 0.1"):
+            r.save(self.folder / "a.wav", wav_scale=0.1)
+        with self.assertWarnsRegex(UserWarning, "too little for float32 at a full scale of 1e\\+300"):
+            r.save(self.folder / "b.wav", wav_scale=1e300)
 
     def test_a_file_is_the_programs(self):
         r = short_scene().run()

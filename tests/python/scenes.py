@@ -1,11 +1,12 @@
 """Scenes: their sources, their contents, and every fault at once."""
+import array
 import copy
 import json
 import pickle
 import unittest
 
 import numpy as np
-from support import SHORT, InAFolder, program, short_scene, summary
+from support import SHORT, InAFolder, optional, program, short_scene, summary
 
 import hertzline
 
@@ -68,6 +69,26 @@ class Scenes(InAFolder):
         again = array.run(taps=["v_last", "x_horn"])
         self.assertLess(np.abs(again["x_horn"] - x[:1001]).max(), 1e-13)
         self.assertLess(np.linalg.norm(again["v_last"] - v["v_last"]), 1e-6 * np.linalg.norm(v["v_last"]))
+
+    def test_another_record_takes_the_place_of_the_first_one(self):
+        t = np.arange(2001) / 10e6
+        x = 3e-6 * np.exp(-((t - 100e-6) / 20e-6) ** 2 / 2) * np.sin(2 * np.pi * 70e3 * t)
+        np.savetxt(self.folder / "um.csv", np.column_stack([t, 1e6 * x]), delimiter=",", header="t_s,x_um", comments="")
+        np.savetxt(self.folder / "m.csv", np.column_stack([2 * t, x]), delimiter=",", header="t_s,x_m", comments="")
+        one, other = ({"kind": "file", "file": self.folder / name} for name in ("um.csv", "m.csv"))
+        first = hertzline.scene("paper-wall", drive=one)
+        for drive in (other, {"file": self.folder / "m.csv"}):
+            second = hertzline.scene(first, drive=drive)
+            self.assertEqual(second, hertzline.scene("paper-wall", drive=other))
+            self.assertEqual(second["drive.sample_rate_hz"], 5e6)
+        self.assertEqual(hertzline.scene(first, drive={"file": None}), first)
+
+    def test_lists_may_be_columns_of_other_packages(self):
+        t = np.arange(200) / 10e6
+        x = 1e-6 * np.sin(2 * np.pi * 70e3 * t)
+        wanted = hertzline.scene("paper-wall", drive={"kind": "file", "samples": x, "sample_rate_hz": 10e6})
+        for given in (list(x), memoryview(x), array.array("d", x), optional("pandas").Series(x), optional("xarray").DataArray(x)):
+            self.assertEqual(hertzline.scene("paper-wall", drive={"kind": "file", "samples": given, "sample_rate_hz": 10e6}), wanted)
 
     def test_a_recording_has_the_scene_that_was_asked_for(self):
         scene = hertzline.scene(short_scene(), numerics={"accuracy": 1e-3})

@@ -1,4 +1,5 @@
 """A simulation that is stepped has the samples of a run; materials, pickles, control of a live stream."""
+import copy
 import pickle
 import subprocess
 import unittest
@@ -37,6 +38,12 @@ class Steps(unittest.TestCase):
         with self.assertRaisesRegex(ValueError, "samples: found 0, allowed: at least 1"):
             hertzline.Simulation("paper-wall").advance(0)
 
+    def test_cannot_be_copied(self):
+        simulation = hertzline.Simulation("paper-wall")
+        for copied in (copy.copy, copy.deepcopy, pickle.dumps):
+            with self.assertRaisesRegex(TypeError, "neither be copied nor pickled"):
+                copied(simulation)
+
 
 class Materials(unittest.TestCase):
     def test_are_the_programs(self):
@@ -50,6 +57,8 @@ class Materials(unittest.TestCase):
 class Pickles(InAFolder):
     def test_a_run_comes_back_whole(self):
         run = short_scene().run(taps=["v_out", "v_chain"])
+        for protocol in range(pickle.HIGHEST_PROTOCOL + 1):
+            self.assertEqual(pickle.loads(pickle.dumps(run, protocol))["v_chain"].tobytes(), run["v_chain"].tobytes())
         again = pickle.loads(pickle.dumps(run))
         self.assertEqual(again["v_chain"].tobytes(), run["v_chain"].tobytes())
         self.assertEqual((again.taps, again.summary, again.warnings), (run.taps, run.summary, run.warnings))
@@ -61,6 +70,7 @@ class Pickles(InAFolder):
     def test_a_recording_comes_back_whole(self):
         short_scene().run(taps=["v_out", "v_chain"]).save(self.folder / "run.h5")
         recording = hertzline.load(self.folder / "run.h5")
+        self.assertEqual(pickle.loads(pickle.dumps(recording, 0))["v_chain"].tobytes(), recording["v_chain"].tobytes())
         again = pickle.loads(pickle.dumps(recording))
         self.assertEqual(again["v_chain"].tobytes(), recording["v_chain"].tobytes())
         self.assertEqual((again.columns, again.gaps), (recording.columns, recording.gaps))

@@ -1,4 +1,5 @@
 """Shared by the tests of the Python package: the program, and short scenes."""
+import importlib
 import json
 import os
 import pathlib
@@ -22,6 +23,14 @@ def program(*words):
 
 def summary(*words):
     return json.loads(program(*words, "--json"))
+
+
+def optional(name):
+    """The module. Skips the test where it is not installed."""
+    try:
+        return importlib.import_module(name)
+    except ImportError:
+        raise unittest.SkipTest(f"{name} is not there") from None
 
 
 def short_scene(**sections):

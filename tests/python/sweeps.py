@@ -6,7 +6,7 @@ import pickle
 import unittest
 
 import numpy as np
-from support import SHORT, InAFolder, program, short_scene
+from support import SHORT, InAFolder, optional, program, short_scene
 
 import hertzline
 
@@ -73,6 +73,24 @@ class Sweeps(InAFolder):
             np.testing.assert_array_equal(np.abs(found.waveforms).max(axis=1), peaks[found["point"]])
         self.assertTrue(table.grid)
         self.assertTrue((np.diff(np.sort(table, order="peak_v_out_m_per_s")["peak_v_out_m_per_s"]) >= 0).all())
+
+    def test_parts_keep_their_waveforms(self):
+        table = hertzline.sweep(short_scene(), {"chain.spheres": [3, 4, 5, 6]}, waveforms="v_out")
+        for rows in (slice(1, 3), [3, 0], np.array([False, True, False, True]), table["chain.spheres"] > 4, ...):
+            part = table[rows]
+            self.assertEqual(len(part.waveforms), len(part))
+            np.testing.assert_array_equal(part.waveforms, table.waveforms[part["point"]])
+        np.testing.assert_array_equal(np.flip(table).waveforms, table.waveforms[::-1])
+        np.testing.assert_array_equal(table.take([2, 1]).waveforms, table.waveforms[[2, 1]])
+        np.testing.assert_array_equal(table[["point", "status"]].waveforms, table.waveforms)
+        self.assertEqual(table[1]["point"], 1)
+
+    def test_points_of_a_data_frame(self):
+        pandas = optional("pandas")
+        frame = pandas.DataFrame({"chain.preload_n": [0.1, 0.2], "end.material": ["pyrex", "aluminium"]})
+        table = hertzline.sweep(short_scene(), points=frame)
+        self.assertEqual(list(table["end.material"]), ["pyrex", "aluminium"])
+        self.assertEqual(table.keys, ["chain.preload_n", "end.material"])
 
     def test_waveforms_of_outputs_with_several_channels(self):
         scene = hertzline.scene("seven-chains", array={"coupling": "none", "x_m": [-12e-3, 12e-3], "y_m": [0, 0]}, drive={"cycles": 1},
@@ -166,10 +184,7 @@ class Sweeps(InAFolder):
                 hertzline.sweep(short_scene(), {"chain.preload_n": values})
 
     def test_goes_to_pandas(self):
-        try:
-            import pandas  # noqa: F401
-        except ImportError:
-            self.skipTest("pandas is not there")
+        optional("pandas")
         table = hertzline.sweep(short_scene(), {"chain.spheres": [5, 6]})
         frame = table.to_pandas()
         self.assertEqual(list(frame["chain.spheres"]), [5, 6])
@@ -177,10 +192,7 @@ class Sweeps(InAFolder):
         self.assertEqual(frame.attrs["units"]["step_s"], "s")
 
     def test_goes_to_xarray(self):
-        try:
-            import xarray  # noqa: F401
-        except ImportError:
-            self.skipTest("xarray is not there")
+        optional("xarray")
         vary = {"chain.preload_n": [0.3, 0.1], "end.material": ["pyrex", "aluminium"]}
         table = hertzline.sweep(short_scene(), vary, waveforms="v_out")
         data = table.to_xarray()
@@ -189,6 +201,7 @@ class Sweeps(InAFolder):
         self.assertEqual(float(found), table["peak_v_out_m_per_s"][2])
         self.assertEqual(data["peak_v_out_m_per_s"].attrs["units"], "m/s")
         self.assertEqual(table[1:].to_xarray().sizes["point"], 3)
+        self.assertEqual(table[1:].to_xarray()["waveforms"].shape, (3, 1001))
         few = table[["chain.preload_n", "peak_v_out_m_per_s"]].to_xarray()
         self.assertTrue(np.array_equal(few["peak_v_out_m_per_s"], table["peak_v_out_m_per_s"]))
 

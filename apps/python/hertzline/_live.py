@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import os
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from types import TracebackType
@@ -13,14 +12,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import _native
+from ._arguments import Path, file_name, items_of, number, optional_number, text
 from ._scene import finite_value
-
-Path = str | os.PathLike[str]
 
 
 def _files(curve_key: Path | None, server_key: Path | None) -> tuple[bytes | None, bytes | None]:
-    own = None if curve_key is None else os.fsencode(curve_key)
-    return own, None if server_key is None else os.fsencode(server_key)
+    own = None if curve_key is None else file_name(curve_key)
+    return own, None if server_key is None else file_name(server_key)
 
 
 class GapError(RuntimeError):
@@ -91,7 +89,8 @@ def listen(
     """
     if gaps not in ("raise", "mark"):
         raise ValueError(f'gaps: found {gaps!r}, allowed: "raise", "mark"')
-    native = _native.listen(endpoint, stream, timeout_s, *_files(curve_key, server_key))
+    wait = optional_number("timeout_s", timeout_s)
+    native = _native.listen(text("endpoint", endpoint), text("stream", stream), wait, *_files(curve_key, server_key))
     return Live(native, endpoint, stream, gaps)
 
 
@@ -101,7 +100,7 @@ class Live:
     def __init__(self, native: _native.Listener, endpoint: str, stream: str, gaps: str) -> None:
         self._native = native
         self._endpoint, self._stream, self._gaps = endpoint, stream, gaps
-        self._end_reported = False
+        self._end_reported = False  # the gap before the end
         self._kept: Block | None = None  # the block after a gap that was raised
 
     def __enter__(self) -> Live:
@@ -119,11 +118,15 @@ class Live:
     def __iter__(self) -> Iterator[Block]:
         return self
 
+    def __reduce__(self) -> tuple[Any, ...]:
+        raise TypeError("a connection can neither be copied nor pickled")
+
     def __next__(self) -> Block:
         """The next block. Waits for it, and lets other threads run meanwhile.
 
-        Raises GapError where samples are missing (the next call continues behind them), TimeoutError when nothing comes in
-        time, ConnectionError when the stream refuses or breaks off, ValueError when it does not have the tap.
+        Raises GapError where samples are missing (the next call continues behind them). With TimeoutError, when nothing comes in time,
+        ConnectionError, when the stream refuses or breaks off, and ValueError, when it does not have the tap, the connection has ended:
+        each call after it raises the same.
         """
         if self._kept is not None:
             kept, self._kept = self._kept, None
@@ -139,9 +142,6 @@ class Live:
         return block
 
     def _end(self) -> None:
-        if self._end_reported:
-            return
-        self._end_reported = True
         why = self.totals["ended_by"]
         if why == "timeout":
             raise TimeoutError(f"nothing arrived from {self._endpoint}")
@@ -152,7 +152,8 @@ class Live:
         if why == "no such stream":
             raise ValueError(f"stream: found {self._stream}, allowed: {', '.join(self._native.streams)}")
         missing = self._native.missing_at_end
-        if missing and self._gaps == "raise":
+        if missing and self._gaps == "raise" and not self._end_reported:
+            self._end_reported = True
             raise GapError(f"{missing} samples are missing before the end", missing)
 
     @property
@@ -187,7 +188,7 @@ def control(
     timeout_s: the longest wait for a reply [s].
     curve_key, server_key: files of keys, for an encrypted stream: one's own secret key, the stream's public key.
     """
-    return Control(endpoint, timeout_s, *_files(curve_key, server_key))
+    return Control(text("endpoint", endpoint), number("timeout_s", timeout_s), *_files(curve_key, server_key))
 
 
 class Control:
@@ -211,7 +212,7 @@ class Control:
         Returns the reply: `applies_at_sample`, `epoch`, `scene_hash`, `estimated_error`, `estimated_over_s`, `warnings`. Raises
         ValueError with every fault, OSError with the reason when there is no reply.
         """
-        request: dict[str, Any] = {"set": {key: finite_value(key, value) for key, value in values.items()}}
+        request: dict[str, Any] = {"set": {key: finite_value(key, value) for key, value in items_of("values", values).items()}}
         return self._ask(request | {"force": True} if force else request)
 
     def undo(self) -> dict[str, Any]:

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from . import _native
+from ._arguments import file_name, optional_number, text
 from ._samples import Floats, Samples
 
 
@@ -18,7 +19,7 @@ def load(path: str | os.PathLike[str], *, sample_rate_hz: float | None = None) -
     `sample_rate_hz` is the rate of a file without one, or another one than its own. Warns of samples that are left out.
     Raises ValueError for another ending, OSError for a file that cannot be read or is damaged.
     """
-    native = _native.load(os.fsencode(path), sample_rate_hz)
+    native = _native.load(file_name(path), optional_number("sample_rate_hz", sample_rate_hz))
     for warning in native.warnings:
         warnings.warn(warning, stacklevel=2)
     return Recording(native)
@@ -76,7 +77,7 @@ class Recording(Samples):
         return list(self._columns)
 
     def __getitem__(self, name: str) -> Floats:
-        return self._native.samples(name)
+        return self._native.samples(text("name", name))
 
     def unit(self, name: str) -> str:
         """The unit of a tap or column; "" where the file has none."""

@@ -2,30 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from . import _native
+from ._arguments import names_in, optional_number
 from ._plot import draw_samples
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 Floats = NDArray[np.float64]
-
-
-def names_in(argument: str, names: Iterable[str]) -> list[str]:
-    """A list of names; one by itself, which would be taken letter by letter, is refused."""
-    if isinstance(names, str):
-        raise TypeError(f'{argument}: found the text "{names}", allowed: a list of names, as ["{names}"]')
-    found = list(names)
-    for name in found:
-        if not isinstance(name, str):
-            raise TypeError(f"{argument}: found {name!r}, allowed: text in each place of the list")
-    return [name.encode("utf-8", "backslashreplace").decode() for name in found]  # half a surrogate pair is no text elsewhere
 
 
 class Spectrum(NamedTuple):
@@ -64,23 +54,30 @@ class Samples:
 
     def __getitem__(self, name: str) -> Floats:
         """The samples in the unit of their tap: shape [sample], [sample, sphere] of `v_chain` and `x_chain`, [sample, contact] of
-        `f_chain`, [sample, point] of `p_points`, or [sample, element] of an array's `v_out` and others.
+        `f_chain`, [sample, point] of `p_points`, or [sample, element] of an array's `v_out` and others. The name of a column of a
+        recording gives one channel: "v3_m_per_s" is the third sphere of `v_chain`.
 
         Nothing is copied: the array is a view that cannot be written to, and keeps alive what it looks at. (Columns of a foreign
         recording that lie in no regular order are copied.)
-        Raises KeyError for a name that is not among `taps`.
+        Raises KeyError for another name, with those that are allowed.
         """
         raise NotImplementedError
 
     def __contains__(self, name: object) -> bool:
-        return name in self.taps
+        try:
+            return isinstance(name, str) and self[name] is not None
+        except KeyError:
+            return False
+
+    __iter__ = None
 
     def spectrum(self, name: str, *, band_from_hz: float | None = None) -> Spectrum:
-        """Amplitude over frequency of one tap, and its measures, as the program computes them.
+        """Amplitude over frequency of a tap with one channel, or of one channel ("v3_m_per_s"), and its measures, as the program
+        computes them.
 
         band_from_hz: bands are looked for from here upward [Hz]; by default half the drive's frequency.
         """
-        return Spectrum(*_native.spectrum(self[name], self.sample_rate_hz, self._drive_hz(), band_from_hz))
+        return Spectrum(*_native.spectrum(self[name], self.sample_rate_hz, self._drive_hz(), optional_number("band_from_hz", band_from_hz)))
 
     def plot(self, taps: Sequence[str] | None = None, *, title: str = "", axes: Any = None) -> Figure:
         """Draws waveform and spectrum of taps (by default of those with one channel), as `hertzline plot` does.

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import array
+import difflib
 import math
 import os
 import re
@@ -11,9 +13,8 @@ from typing import Any
 import numpy as np
 
 from . import _native
-from ._samples import Floats, Samples, names_in
-
-Path = str | os.PathLike[str]
+from ._arguments import Path, file_name, names_in, number, optional_number, refuse, text
+from ._samples import Floats, Samples
 
 
 def scenes() -> dict[str, str]:
@@ -36,13 +37,13 @@ def scene(source: Path | Scene = "paper-vitreous-carbon", /, **sections: Mapping
         hertzline.scene("paper-vitreous-carbon", end={"thickness_m": 0.4e-3}, drive={"cycles": 10})
         hertzline.scene("mine.toml", materials={"clay": {"density_kg_per_m3": 1900.0}}, end={"material": "clay"})
 
-    scenes/README.md has every section and key, with units. None takes the value of a file back. Raises ValueError with every
-    fault of the scene.
+    scenes/README.md has every section and key, with units. None takes the value of a file back. A drive.file that is given to a scene
+    takes the place of its record, with that one's rate, quantity and scale. Raises ValueError with every fault of the scene.
     """
     settings = list(_settings(sections))
     if isinstance(source, Scene):
         return Scene(_native.parse(source.toml, source.name, settings))
-    return Scene(_native.read(os.fsencode(source), settings))
+    return Scene(_native.read(file_name(source), settings))
 
 
 def with_values(base: Scene, values: Mapping[str, Any]) -> Scene:
@@ -53,6 +54,8 @@ def with_values(base: Scene, values: Mapping[str, Any]) -> Scene:
 def _settings(sections: Mapping[str, Mapping[str, Any]], prefix: str = "") -> Iterator[str]:
     """The keys as the program's option --set takes them."""
     for name, value in sections.items():
+        if not isinstance(name, str):
+            refuse(prefix.removesuffix("."), name, "texts as keys")
         key = prefix + (name if re.fullmatch(r"[A-Za-z0-9_-]+(\[\d+\])*", name) else toml_text(name))
         if isinstance(value, Mapping) and (value or not prefix):
             yield from _settings(value, key + ".")
@@ -74,11 +77,17 @@ def refuse_masked(key: str, value: Any) -> None:
 
 
 def plain_value(key: str, value: Any) -> Any:
-    """The value without NumPy: a list where it is an array, a tuple or a list."""
+    """The value without NumPy: a list where it is an array, a tuple or a list; a file's name as a text."""
     refuse_masked(key, value)
+    if isinstance(value, os.PathLike):
+        return os.fsdecode(value)
+    if isinstance(value, (memoryview, array.array)) or (hasattr(value, "__array__") and not isinstance(value, np.generic)):
+        value = np.asarray(value)  # of pandas and xarray, too
     if isinstance(value, (list, tuple)) or (isinstance(value, np.ndarray) and value.ndim > 0):
         if len(value) > MOST_ENTRIES:
             raise ValueError(f"{key}: found {len(value)} entries, allowed: at most {MOST_ENTRIES}")
+        if isinstance(value, np.ndarray) and value.ndim == 1 and value.dtype.kind in "iuf":
+            return value.tolist()
         return [plain_value(f"{key}[{number}]", entry) for number, entry in enumerate(value, 1)]
     return value.item() if isinstance(value, (np.generic, np.ndarray)) else value
 
@@ -102,6 +111,8 @@ def toml_text(text: str) -> str:
 def toml_value(key: str, value: Any) -> str:
     """A number, integer, word or list of them as TOML has it; numbers read back to the same bits."""
     value = plain_value(key, value)
+    if isinstance(value, list) and set(map(type, value)) == {float}:
+        return "[" + ", ".join(map(repr, value)) + "]"
     if isinstance(value, list):
         return "[" + ", ".join(toml_value(f"{key}[{number}]", entry) for number, entry in enumerate(value, 1)) + "]"
     if isinstance(value, bool):
@@ -144,18 +155,30 @@ class Scene:
     def __getitem__(self, key: str) -> Any:
         """The value of a key: scene["end.thickness_m"] [m]; of a list, or its entry from 1 on: scene["end.thicknesses_m[1]"]."""
         found: Any = self.values
-        name = re.fullmatch(r"([^][]*)((?:\[\d+\])*)", key)
-        if not name:
-            raise KeyError(key)
-        for part in name[1].split("."):
+        name = re.fullmatch(r"([^][]*)((?:\[\d+\])*)", text("key", key))
+        for part in name[1].split(".") if name else [""]:
             if not isinstance(found, Mapping) or part not in found:
-                raise KeyError(key)
+                raise KeyError(f'found "{key}", allowed: a key of the scene{self._like(key)}')
             found = found[part]
-        for entry in map(int, re.findall(r"\d+", name[2])):
+        for entry in map(int, re.findall(r"\d+", name[2] if name else "")):
             if not isinstance(found, list) or not 1 <= entry <= len(found):
-                raise KeyError(key)
+                entries = f"an entry from 1 to {len(found)}" if isinstance(found, list) else "no entry: it is no list"
+                raise KeyError(f'found "{key}", allowed: {entries}')
             found = found[entry - 1]
         return found
+
+    def _like(self, key: str) -> str:
+        keys = [f"{section}.{name}" for section, values in self.values.items() for name in values]
+        return "".join(f", as {like}" for like in difflib.get_close_matches(key, keys, 1))
+
+    def __contains__(self, key: object) -> bool:
+        try:
+            self[key]  # type: ignore[index]
+        except (KeyError, TypeError):
+            return False
+        return True
+
+    __iter__ = None
 
     def resolved(self) -> Scene:
         """The same scene with integrator and step settled, as it is simulated. Takes some milliseconds."""
@@ -186,7 +209,7 @@ class Scene:
         into memory.
         """
         names = None if taps is None else names_in("taps", taps)
-        return Result(_native.run(self._native, names, names_in("measure", measure), band_from_hz))
+        return Result(_native.run(self._native, names, names_in("measure", measure), optional_number("band_from_hz", band_from_hz)))
 
     def __eq__(self, other: object) -> bool:
         return isinstance(other, Scene) and self.toml == other.toml
@@ -231,14 +254,14 @@ class Result(Samples):
         return self._native.taps
 
     def __getitem__(self, name: str) -> Floats:
-        return self._native.samples(name)
+        return self._native.samples(text("name", name))
 
     def unit(self, name: str) -> str:
-        return self._native.unit(name)
+        return self._native.unit(text("name", name))
 
     @property
     def summary(self) -> dict[str, Any]:
-        """The summary of `hertzline run --json`, with the same names and units; without `recordings`."""
+        """The summary of `hertzline run --json`, with the same names and units; without `recordings` and `warnings`."""
         return self._native.summary()
 
     @property
@@ -257,12 +280,13 @@ class Result(Samples):
         taps: the outputs that they hold; by default the taps that `run` was asked for.
         wav_scale: full scale of WAV files, in the unit of the samples.
 
-        A file has its name when it is complete. Raises ValueError for wrong names, OSError.
+        A file has its name when it is complete. Warns of a WAV whose samples do not fit its full scale. Raises ValueError for wrong
+        names, OSError.
         """
         if not paths:
             raise TypeError("save: paths is missing: give at least one file")
-        files = [os.fsencode(path) for path in paths]
-        self._native.save(files, None if taps is None else names_in("taps", taps), wav_scale)
+        files = [file_name(path) for path in paths]
+        self._native.save(files, None if taps is None else names_in("taps", taps), number("wav_scale", wav_scale))
 
     def __repr__(self) -> str:
         return f"<hertzline.Result {self._native.rows} samples of {', '.join(self.taps)}>"

@@ -3,21 +3,24 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from typing import Any
 
 from . import _native
-from ._samples import Floats, names_in
+from ._arguments import Path, integer, names_in
+from ._samples import Floats
 from ._scene import Scene, scene
 
 
 class Simulation:
-    """A scene in motion: it goes as far as it is asked to, beyond output.duration_s, too. For one thread at a time.
+    """A scene in motion: it goes as far as it is asked to, beyond output.duration_s, too. It cannot be copied, and a second thread that
+    uses it meanwhile gets a RuntimeError.
 
         simulation = hertzline.Simulation("paper-stream", taps=["v_out"])
         while simulation.t < 1e-3:
             v_out = simulation.advance(1000)["v_out"]
     """
 
-    def __init__(self, base: Scene | str = "paper-vitreous-carbon", taps: Iterable[str] | None = None) -> None:
+    def __init__(self, base: Scene | Path = "paper-vitreous-carbon", taps: Iterable[str] | None = None) -> None:
         """Starts at sample 0, at static equilibrium. Raises ValueError with every fault, and MemoryError.
 
         taps: the outputs that are computed; by default those that `hertzline run -o` saves.
@@ -30,7 +33,10 @@ class Simulation:
 
         Raises RuntimeError when the motion becomes unstable. Other threads run meanwhile. Samples of a call that raises are lost.
         """
-        return self._native.advance(samples)
+        return self._native.advance(integer("samples", samples))
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        raise TypeError("a Simulation can neither be copied nor pickled")
 
     def reset(self) -> None:
         """Goes back to sample 0, at static equilibrium."""

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from . import _native
 from ._plot import draw_table
-from ._samples import names_in
+from ._arguments import Path, integer, items_of, names_in, optional_number, text, threads
 from ._scene import Scene, refuse_masked, scene, with_values
 
 if TYPE_CHECKING:
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 
 def sweep(
-    base: Scene | str,
+    base: Scene | Path,
     vary: Mapping[str, Any] | None = None,
     *,
     points: Mapping[str, Any] | None = None,
@@ -39,7 +39,7 @@ def sweep(
 
     vary: for each key a list or array of values, or a range as text: "FROM..TO:COUNT", "FROM..TO:log:COUNT". The last key
         varies fastest.
-    points: a list of points in place of a grid: equally many values for each key.
+    points: a list of points in place of a grid, equally many values for each key: a dict or a DataFrame.
     sobol: the number of points of Sobol's sequence in the ranges of `vary`, which then have no count ("0.01..2:log").
     jobs: threads; by default one for each usable processor. The rows have the same bits for any number.
     measure: taps beside v_out whose peaks and spectra are measured.
@@ -48,28 +48,31 @@ def sweep(
     waveforms: a tap whose samples are kept as float32; with several channels, as "p_points", in a third dimension.
 
     A point that cannot be simulated is a row with a reason in `status` and `message`; its numbers are NaN. A run repeats a
-    row's bits when its scene has the row's keys, `step_s` as numerics.step_s, the `poles` of a modal plate as
-    numerics.poles, and no numerics.accuracy.
+    row's bits, but for the estimates of its error, when its scene has the row's keys, `step_s` as numerics.step_s, the `poles` of a modal
+    plate as numerics.poles, and no numerics.accuracy.
     Raises ValueError with every fault of the plan before anything runs.
     """
     if (vary is None) == (points is None) or (sobol is not None and vary is None):
         raise ValueError("sweep: give either vary, also with sobol, or points")
+    if sobol is not None and integer("sobol", sobol) < 1:
+        raise ValueError(f"sobol: found {sobol}, allowed: at least 1")
+    keys = items_of("points", points) if vary is None else items_of("vary", vary)
     found = _native.sweep(
         _scene_of(base)._native,
-        None if vary is None else _varied(vary),
-        None if points is None else _points(points),
-        sobol,
+        None if vary is None else _varied(keys),
+        None if points is None else _points(keys),
+        None if sobol is None else integer("sobol", sobol),
         names_in("measure", measure),
         names_in("quantities", quantities),
-        band_from_hz,
-        waveforms,
-        jobs,
+        optional_number("band_from_hz", band_from_hz),
+        None if waveforms is None else text("waveforms", waveforms),
+        threads(jobs),
     )
-    return _table(found, list(points or vary or {}), points is None and sobol is None)
+    return _table(found, list(keys), points is None and sobol is None)
 
 
 def optimise(
-    base: Scene | str,
+    base: Scene | Path,
     vary: Mapping[str, Any],
     *,
     maximise: str | None = None,
@@ -90,7 +93,7 @@ def optimise(
     vary: a range without a count for each key, "FROM..TO" or "FROM..TO:log", or a list of values.
     maximise, minimise: one of them is given, a number of a run's summary.
     subject_to: bounds that a point must keep, "NAME >= NUMBER" or "NAME <= NUMBER".
-    evaluations: the most points that are simulated.
+    evaluations: the most points that are simulated; a search needs some dozens, by its keys.
     seed: with another seed the search starts from other points, 0 to 2**64 - 1.
     jobs: threads; by default one for each usable processor. The result is the same for any number.
     measure: taps beside v_out whose peaks and spectra are measured, and can be the goal or a bound: "v_plate.thd_r".
@@ -98,25 +101,26 @@ def optimise(
 
     Raises ValueError with every fault of the request before anything runs.
     """
-    if not 0 <= seed < 2**64:
+    if not 0 <= integer("seed", seed, 2**64 - 1) < 2**64:
         raise ValueError(f"seed: found {seed}, allowed: 0 to {2**64 - 1}")
     start = _scene_of(base)
+    keys = items_of("vary", vary)
     found, summary, warnings = _native.optimise(
         start._native,
-        _varied(vary),
-        maximise or "",
-        minimise or "",
+        _varied(keys),
+        text("maximise", maximise or ""),
+        text("minimise", minimise or ""),
         names_in("subject_to", subject_to),
-        evaluations,
-        seed,
+        integer("evaluations", evaluations),
+        integer("seed", seed, 2**64 - 1),
         names_in("measure", measure),
-        band_from_hz,
-        jobs,
+        optional_number("band_from_hz", band_from_hz),
+        threads(jobs),
     )
-    return SearchResult(start, _table(found, list(vary), False), summary, warnings)
+    return SearchResult(start, _table(found, list(keys), False), summary, warnings)
 
 
-def _scene_of(base: Scene | str) -> Scene:
+def _scene_of(base: Scene | Path) -> Scene:
     return base if isinstance(base, Scene) else scene(base)
 
 
@@ -124,6 +128,8 @@ def _list(key: str, values: Any) -> _native.Values:
     """The values as numbers, integers or words."""
     refuse_masked(key, values)
     array = np.atleast_1d(np.asarray(values))
+    if array.dtype.kind == "O":  # texts of pandas
+        array = np.asarray(array.tolist())
     if array.ndim > 1:
         raise TypeError(f"{key}: found an array of {array.ndim} dimensions, allowed: a list of values")
     if array.size == 0:
@@ -194,9 +200,25 @@ class Table(np.ndarray[Any, np.dtype[Any]]):
         self.waveforms = None
 
     def __getitem__(self, index: Any) -> Any:
+        names = self.dtype.names or ()
+        if isinstance(index, str) and index not in names:
+            raise KeyError(f'found "{index}", allowed: {", ".join(names)}')
         found = super().__getitem__(index)
-        names = found.dtype.names if isinstance(found, Table) else None
-        return found.view(np.ndarray) if isinstance(found, Table) and names is None else found
+        if not isinstance(found, Table):
+            return found
+        if found.dtype.names is None:
+            return found.view(np.ndarray)
+        if self.waveforms is not None:
+            rows = found.dtype.names == names  # else columns
+            found.waveforms = self.waveforms[index] if rows else self.waveforms
+        return found
+
+    def take(self, indices: Any, axis: Any = None, out: Any = None, mode: Any = "raise") -> Any:
+        """The rows with these numbers, with their waveforms."""
+        found = super().take(indices, axis, out, mode)
+        if self.waveforms is not None and isinstance(found, Table):
+            found.waveforms = self.waveforms.take(indices, 0, None, mode)
+        return found
 
     def copy(self, order: Any = "C") -> Table:
         """The same table, with its waveforms."""
@@ -303,7 +325,9 @@ class SearchResult:
 
     @property
     def best_scene(self) -> Scene:
-        """The scene of the best point. Raises ValueError when no point keeps to the bounds."""
+        """The scene of the best point. Its step is chosen anew: numbers of a run are those of the row within the accuracy, and the same bits
+        with the row's `step_s` as numerics.step_s. Raises ValueError when no point keeps to the bounds.
+        """
         best = self.best
         if best is None:
             raise ValueError(self.warnings[-1])

@@ -90,6 +90,18 @@ std::vector<std::size_t> columns_of(const Recording& recording, const std::strin
     return found;
 }
 
+/// Returns the quantities, and the columns that have none.
+std::string names_in(const std::vector<recordings::Column>& columns) {
+    std::vector<std::string> names;
+    for (const recordings::Column& column : columns) {
+        const std::string& name = column.quantity.empty() ? column.name : column.quantity;
+        if (std::ranges::find(names, name) == names.end()) {
+            names.push_back(name);
+        }
+    }
+    return comma_separated(names);
+}
+
 /// Returns [sample][column], copied: columns that lie anyhow are no array.
 py::array_t<double> copied(const Recording& recording, const std::vector<std::size_t>& columns) {
     const std::size_t width = recording.head.columns.size();
@@ -110,7 +122,8 @@ py::array_t<double> copied(const Recording& recording, const std::vector<std::si
 py::array_t<double> samples_of(const std::shared_ptr<Recording>& recording, const std::string& name) {
     const std::vector<std::size_t> columns = columns_of(*recording, name);
     if (columns.empty()) {
-        throw py::key_error("found \"" + name + "\", which the recording does not hold");
+        throw py::key_error("found " + quoted_briefly(name) +
+                            ", allowed: " + names_in(recording->head.columns));
     }
     const std::size_t channels = columns.size();
     const std::size_t width = recording->head.columns.size();
@@ -197,6 +210,7 @@ void add_load(py::module_& module) {
         .def("provenance",
              [](const Recording& recording) { return python_object(recording.head.provenance); })
         .def("samples", &samples_of, py::arg("name"))
+        .def("__reduce_ex__", &reduced)
         .def(py::pickle(&state_of_recording, &restored_recording));
     module.def("load", &load, py::arg("path"), py::arg("sample_rate_hz") = py::none());
 }

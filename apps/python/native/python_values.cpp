@@ -1,5 +1,7 @@
 #include "apps/python/native/python_values.hpp"
 
+#include <algorithm>
+
 #include "core/scene/json.hpp"
 #include "measures/resources.hpp"
 
@@ -79,6 +81,20 @@ void with_os_errors(const std::function<void()>& work) {
         raise(PyExc_OSError, error.what());
         throw py::error_already_set();
     }
+}
+
+void warn_all(const std::vector<std::string>& warnings) {
+    for (const std::string& warning : warnings) {
+        if (PyErr_WarnEx(PyExc_UserWarning, text_of(warning).cast<std::string>().c_str(), 2) != 0) {
+            throw py::error_already_set();
+        }
+    }
+}
+
+py::object reduced(const py::object& object, int protocol) {
+    constexpr int with_objects_made_by_new = 2;
+    const py::object plain = py::module_::import("builtins").attr("object");
+    return plain.attr("__reduce_ex__")(object, std::max(protocol, with_objects_made_by_new));
 }
 
 void require_memory(const std::string& what, double bytes) {

@@ -36,6 +36,12 @@ void register_texts();
 /// Does work on files. @throws py::error_already_set: OSError with the text of its std::runtime_error
 void with_os_errors(const std::function<void()>& work);
 
+/// Warns of each of them where Python called the function of the package. @throws py::error_already_set when a filter makes it an error
+void warn_all(const std::vector<std::string>& warnings);
+
+/// The object's state for pickle. Before protocol 2 pickle would make an object without its C++ part, which ends the program.
+py::object reduced(const py::object& object, int protocol);
+
 /// Checks that so many bytes are available. @throws py::error_already_set: MemoryError otherwise
 void require_memory(const std::string& what, double bytes);
 

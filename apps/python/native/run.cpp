@@ -1,5 +1,6 @@
 #include "measures/run.hpp"
 
+#include <algorithm>
 #include <array>
 #include <memory>
 #include <optional>
@@ -16,10 +17,12 @@
 #include "apps/python/native/scene_object.hpp"
 #include "core/scene/faults.hpp"
 #include "core/scene/json.hpp"
+#include "core/scene/text.hpp"
 #include "measures/measuring.hpp"
 #include "measures/provenance.hpp"
 #include "measures/quantities.hpp"
 #include "measures/tap_names.hpp"
+#include "recordings/columns.hpp"
 
 namespace hertzline::python {
 
@@ -105,26 +108,42 @@ std::shared_ptr<RunResult> run(SceneObject& object, const std::optional<std::vec
     return result;
 }
 
-Tap held_tap(const RunResult& result, const std::string& name) {
+/// A tap that is held, or one channel of it.
+struct Selection {
+    Tap tap;
+    std::optional<std::size_t> channel;
+};
+
+/// @param name of a tap, or of a column that a recording has: "v3_m_per_s" of "v_chain" @throws py::key_error for another
+Selection selection_of(const RunResult& result, const std::string& name) {
+    for (const Tap tap : result.held) {
+        const auto columns = recordings::recorded_columns(tap, result.counts);
+        const auto column = std::ranges::find(columns, name, &recordings::Column::name);
+        if (column != columns.end() && name != row_of(tap).name) {
+            return {tap, static_cast<std::size_t>(column - columns.begin())};
+        }
+    }
     const auto tap = measures::find_tap(name, result.held);
     if (!tap) {
         throw py::key_error(tap.error());
     }
-    return *tap;
+    return {*tap, std::nullopt};
 }
 
 /// Returns [sample], or [sample][sphere] or [sample][contact] of a tap of the whole chain.
-py::array_t<double> samples_of_tap(const std::shared_ptr<RunResult>& result, const std::string& name) {
-    const Tap tap = held_tap(*result, name);
-    std::vector<py::ssize_t> shape{static_cast<py::ssize_t>(result->rows)};
-    if (has_channels(tap, result->counts)) {
-        shape.push_back(static_cast<py::ssize_t>(channels_of(tap, result->counts)));
-    }
-    const std::vector<double>& column = result->column(tap);
-    if (column.size() != result->rows * channels_of(tap, result->counts)) {
+py::array_t<double> samples_of_run(const std::shared_ptr<RunResult>& result, const std::string& name) {
+    const auto [tap, channel] = selection_of(*result, name);
+    const std::vector<double>& samples = result->column(tap);
+    const auto channels = static_cast<py::ssize_t>(channels_of(tap, result->counts));
+    const auto rows = static_cast<py::ssize_t>(result->rows);
+    if (std::ssize(samples) != rows * channels) {
         throw std::logic_error(name + " is not complete");
     }
-    return view_of(column.data(), shape, py::cast(result));
+    if (channel) {
+        return view_of(samples.data() + *channel, {rows}, py::cast(result), {channels});
+    }
+    return has_channels(tap, result->counts) ? view_of(samples.data(), {rows, channels}, py::cast(result))
+                                             : view_of(samples.data(), {rows}, py::cast(result));
 }
 
 /// Returns all of a run for pickle; JSON as text, which keeps every number.
@@ -132,7 +151,7 @@ py::tuple state_of_run(const std::shared_ptr<RunResult>& result) {
     py::dict samples;
     for (const Tap tap : result->held) {
         samples[py::str(std::string(row_of(tap).name))] =
-            samples_of_tap(result, std::string(row_of(tap).name));
+            samples_of_run(result, std::string(row_of(tap).name));
     }
     return py::make_tuple(result->sample_rate_hz, result->rows, result->counts.spheres, result->counts.points,
                           result->counts.elements, measures::names_of(result->asked), samples,
@@ -172,13 +191,14 @@ void add_run(py::module_& module) {
                                [](const RunResult& result) { return measures::names_of(result.held); })
         .def("summary", [](const RunResult& result) { return python_object(result.summary); })
         .def("provenance", [](const RunResult& result) { return python_object(result.provenance); })
-        .def("samples", &samples_of_tap, py::arg("tap"))
+        .def("samples", &samples_of_run, py::arg("name"))
         .def(
             "unit",
             [](const RunResult& result, const std::string& name) {
-                return std::string(row_of(held_tap(result, name)).unit);
+                return std::string(row_of(selection_of(result, name).tap).unit);
             },
-            py::arg("tap"))
+            py::arg("name"))
+        .def("__reduce_ex__", &reduced)
         .def(py::pickle(&state_of_run, &restored_run))
         .def("save", &save, py::arg("paths"), py::arg("taps"), py::arg("wav_scale"));
     module.def("run", &run, py::arg("scene"), py::arg("taps"), py::arg("measure"), py::arg("band_from_hz"));

@@ -34,7 +34,8 @@ void fill(Samples& block, const RunResult& result, TapSet taps, std::size_t firs
 
 /// @throws std::runtime_error when one of the recordings has failed
 void write(const RunResult& result, const std::vector<std::string>& paths,
-           const recordings::RecordingHead& head, TapSet taps, const std::atomic<bool>& stop) {
+           const recordings::RecordingHead& head, TapSet taps, const std::atomic<bool>& stop,
+           std::vector<std::string>& warnings) {
     recordings::RecordingSet recordings(
         paths, head, recordings::RecordingPatience::endless(stop), [](const std::string&) {},
         recordings::Appearance::when_complete);
@@ -58,6 +59,7 @@ void write(const RunResult& result, const std::vector<std::string>& paths,
     if (!failures.empty()) {
         throw std::runtime_error(failures);
     }
+    warnings = recordings.warnings();
 }
 
 }  // namespace
@@ -78,10 +80,12 @@ void save(const std::shared_ptr<RunResult>& result, const std::vector<std::strin
                                          .sample_rate_hz = result->sample_rate_hz,
                                          .provenance = result->provenance,
                                          .full_scale = wav_scale};
+    std::vector<std::string> warnings;
     with_os_errors([&] {
         interruptible_with_files(
-            paths, [&](const std::atomic<bool>& stop) { write(*result, paths, head, taps, stop); });
+            paths, [&](const std::atomic<bool>& stop) { write(*result, paths, head, taps, stop, warnings); });
     });
+    warn_all(warnings);
 }
 
 }  // namespace hertzline::python

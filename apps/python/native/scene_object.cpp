@@ -30,11 +30,7 @@ template <class Parse>
 std::shared_ptr<SceneObject> object_of(const Parse& parse_with) {
     std::vector<std::string> warnings;
     auto parsed = parse_with([&](const std::string& warning) { warnings.push_back(warning); });
-    for (const std::string& warning : warnings) {
-        if (PyErr_WarnEx(PyExc_UserWarning, text_of(warning).cast<std::string>().c_str(), 2) != 0) {
-            throw py::error_already_set();
-        }
-    }
+    warn_all(warnings);
     if (!parsed) {
         throw py::value_error(fault_text(std::move(parsed.error())));
     }
@@ -44,10 +40,18 @@ std::shared_ptr<SceneObject> object_of(const Parse& parse_with) {
 using Parsed = tl::expected<ParsedScene, std::vector<Fault>>;
 
 std::shared_ptr<SceneObject> parse(const std::string& text, const std::string& origin,
-                                   const std::vector<std::string>& settings) {
+                                   std::vector<std::string> settings) {
     const auto sets = [&](std::string_view key) {
         return std::ranges::any_of(settings, [&](const std::string& one) { return one.starts_with(key); });
     };
+    if (sets("drive.file=") && !sets("drive.file=null")) {  // in place of the record that the scene holds
+        for (const char* of_record :
+             {"drive.samples=", "drive.sample_rate_hz=", "drive.quantity=", "drive.scale="}) {
+            if (!sets(of_record)) {
+                settings.push_back(std::string(of_record) + "null");
+            }
+        }
+    }
     return object_of([&](const auto& warn) -> Parsed {
         Parsed parsed = parse_scene(text, origin, settings);
         if (!parsed || (!sets("drive.samples=") && !sets("drive.file="))) {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstdint>
 #include <memory>
+#include <mutex>
 #include <optional>
 #include <stdexcept>
 #include <string>
@@ -23,9 +24,22 @@ namespace hertzline::python {
 
 namespace {
 
-/// A simulation and the block that it fills. For one thread at a time.
+/// A simulation and the block that it fills. A second thread is refused while one of them uses it.
 class Steps {
 public:
+    /// The right to use it. @throws std::runtime_error while another thread has it
+    class Use {
+    public:
+        explicit Use(Steps& steps) : lock_(steps.mutex_, std::try_to_lock) {
+            if (!lock_) {
+                throw std::runtime_error("another thread uses this simulation, allowed: one at a time");
+            }
+        }
+
+    private:
+        std::unique_lock<std::mutex> lock_;
+    };
+
     Steps(const Resolution& resolved, TapSet taps)
         : simulation_(resolved, {.taps = taps}),
           block_(simulation_.make_samples(measures::block_of_run(simulation_.scene(), taps))) {}
@@ -82,6 +96,7 @@ private:
         }
     }
 
+    std::mutex mutex_;
     Simulation simulation_;
     Samples block_;
 };
@@ -99,10 +114,20 @@ std::unique_ptr<Steps> simulation_of(SceneObject& object,
     return std::make_unique<Steps>(*object.resolved(), taps);
 }
 
+/// A function of Steps that calls act(simulation) when no other thread uses it.
+template <class Act>
+auto used(Act act) {
+    return [act](Steps& steps) {
+        const Steps::Use use(steps);
+        return act(steps.simulation());
+    };
+}
+
 py::dict advance(Steps& steps, std::int64_t samples) {
     if (samples < 1) {
         throw py::value_error("samples: found " + std::to_string(samples) + ", allowed: at least 1");
     }
+    const Steps::Use use(steps);
     require_memory(std::to_string(samples) + " samples", steps.bytes_of(samples));
     return steps.advance(samples);
 }
@@ -112,16 +137,18 @@ py::dict advance(Steps& steps, std::int64_t samples) {
 void add_simulation(py::module_& module) {
     py::class_<Steps>(module, "Simulation")
         .def("advance", &advance, py::arg("samples"))
-        .def("reset", [](Steps& steps) { steps.simulation().reset(); })
-        .def_property_readonly("sample", [](Steps& steps) { return steps.simulation().next_sample(); })
-        .def_property_readonly("sample_rate_hz",
-                               [](Steps& steps) { return steps.simulation().scene().output.sample_rate_hz; })
-        .def_property_readonly("step_s", [](Steps& steps) { return steps.simulation().step_s(); })
-        .def_property_readonly("steps", [](Steps& steps) { return steps.simulation().steps(); })
+        .def("reset", used([](Simulation& simulation) { simulation.reset(); }))
+        .def_property_readonly("sample",
+                               used([](Simulation& simulation) { return simulation.next_sample(); }))
+        .def_property_readonly("sample_rate_hz", used([](Simulation& simulation) {
+                                   return simulation.scene().output.sample_rate_hz;
+                               }))
+        .def_property_readonly("step_s", used([](Simulation& simulation) { return simulation.step_s(); }))
+        .def_property_readonly("steps", used([](Simulation& simulation) { return simulation.steps(); }))
         .def_property_readonly("contact_events",
-                               [](Steps& steps) { return steps.simulation().contact_events(); })
+                               used([](Simulation& simulation) { return simulation.contact_events(); }))
         .def_property_readonly("energy_residual",
-                               [](Steps& steps) { return steps.simulation().energy_residual(); });
+                               used([](Simulation& simulation) { return simulation.energy_residual(); }));
     module.def("simulation", &simulation_of, py::arg("scene"), py::arg("taps"));
 }
 

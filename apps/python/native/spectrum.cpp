@@ -9,6 +9,8 @@
 #include "apps/python/native/interruptible.hpp"
 #include "apps/python/native/module.hpp"
 #include "apps/python/native/python_values.hpp"
+#include "core/scene/faults.hpp"
+#include "measures/measuring.hpp"
 #include "measures/quantities.hpp"
 
 namespace hertzline::python {
@@ -21,10 +23,12 @@ using Record = py::array_t<double, py::array::c_style | py::array::forcecast>;
 /// fundamental.
 py::tuple spectrum(const Record& samples, double sample_rate_hz, std::optional<double> fundamental_hz,
                    std::optional<double> band_from_hz) {
+    Faults faults;
     if (samples.ndim() != 1) {
-        throw py::value_error("spectrum: found an array of " + std::to_string(samples.ndim()) +
-                              " dimensions, allowed: one channel, which has one");
+        faults.add("spectrum: found samples of several channels, allowed: one, as \"v3_m_per_s\" of v_chain");
     }
+    faults.add("band_from_hz", measures::band_from_fault(band_from_hz));
+    faults.refuse<py::value_error>();
     const std::span<const double> record(samples.data(), static_cast<std::size_t>(samples.size()));
     require_memory("a spectrum", SpectrumAnalyser::bytes_needed(static_cast<double>(record.size())));
     MagnitudeSpectrum lines;

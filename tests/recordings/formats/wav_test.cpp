@@ -118,6 +118,11 @@ TEST_F(Wav, WarnsOfSamplesBeyondTheFullScale) {
         }
     }
     RecordingHead head = test::recording_head(NumberType::float32);
+    head.full_scale = 1e300;
+    const auto zeros = open_wav_writer(folder.file("zeros.wav"), head);
+    zeros->write(0, std::vector<double>{0.1, 0.2});
+    zeros->commit();
+    EXPECT_THAT(zeros->warning(), HasSubstr("reaches 0.2, too little for float32 at a full scale of 1e+300"));
     head.full_scale = 1e-30;
     const auto writer = open_wav_writer(file, head);
     EXPECT_THAT(test::error_of([&] {
