@@ -237,6 +237,7 @@ void publish_to_the_end(stream::Pipeline& pipeline, const stream::Publisher& pub
                                         line.clear();
                                         spdlog::warn(text);
                                     },
+                                .starts = source.starts,
                                 .epoch_begins = source.epoch_begins,
                                 .watch = source.watch,
                                 .summary =

@@ -53,6 +53,7 @@ double stream_bytes(const stream::StreamFormat& format, stream::Pace pace,
 /// The caller's callbacks.
 struct PublishedSource {
     std::function<void(Json&, const stream::StreamMeters&)> add_to_summary;
+    std::function<void()> starts = {};                      ///< as in StreamEvents
     std::function<Json(const MotionExtremes&)> watch = {};  ///< as in StreamEvents
     std::function<Json(const Epoch&)> epoch_begins = {};    ///< as in StreamEvents
     std::int64_t first_sample = 0;                          ///< from which the summary counts samples

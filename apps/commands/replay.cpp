@@ -3,6 +3,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
@@ -12,6 +13,7 @@
 #include "apps/commands/publish_session.hpp"
 #include "apps/console/signals.hpp"
 #include "core/scene/faults.hpp"
+#include "core/scene/scene_json.hpp"
 #include "core/scene/text.hpp"
 #include "measures/provenance.hpp"
 #include "measures/resources.hpp"
@@ -59,6 +61,63 @@ double sample_rate(const recordings::RecordingHead& head, const ReplayOptions& a
     return head.sample_rate_hz;
 }
 
+/// The scene of a recording, which live changes may have changed on the way.
+class RecordedScene {
+public:
+    explicit RecordedScene(const Json& provenance) : first_(epoch_in(provenance)) {
+        if (const Json& changes = OutsideJson(provenance).at("changes"); changes.is_array()) {
+            changes_.assign(changes.begin(), changes.end());
+            if (const auto scene = scene_of_json(OutsideJson(provenance).at("scene"))) {
+                scene_ = *scene;
+            }
+        }
+    }
+
+    /// Adds to the members of meta for the first epoch the changes so far.
+    void add_to(Json& meta) {
+        if (meta.contains("changes")) {
+            meta["changes"] = begun_until(first_);
+        }
+    }
+
+    /// Returns the members of meta for another epoch, as `stream` has sent them; null where the recording does not tell.
+    Json begin(const Epoch& epoch) {
+        Json meta{{"changes", begun_until(epoch.number)}};
+        if (meta["changes"].empty()) {
+            return Json::object();
+        }
+        const Json last = meta["changes"].back();
+        meta["scene"] = scene_ ? scene_json(*scene_) : Json(nullptr);
+        for (const char* key : {"scene_hash", "estimated_error", "estimated_over_s"}) {
+            meta[key] = OutsideJson(last).at(key);
+        }
+        for (const char* key : {"integrator", "step_s"}) {
+            meta[key] = scene_ ? meta["scene"]["numerics"][key] : Json(nullptr);
+        }
+        return meta;
+    }
+
+private:
+    static std::int64_t epoch_in(const Json& json) { return OutsideJson(json).count("epoch").value_or(0); }
+
+    /// Returns the changes up to that epoch, and changes the scene by them.
+    Json begun_until(std::int64_t epoch) {
+        for (; begun_ < changes_.size() && epoch_in(changes_[begun_]) <= epoch; ++begun_) {
+            const Json& change = changes_[begun_];
+            if (scene_ && epoch_in(change) > first_) {  // else it has the values
+                const auto changed = with_values(*scene_, OutsideJson(change).at("set"));
+                scene_ = changed ? std::optional(*changed) : std::nullopt;
+            }
+        }
+        return std::vector<Json>(changes_.begin(), changes_.begin() + static_cast<std::ptrdiff_t>(begun_));
+    }
+
+    std::int64_t first_;  // epoch
+    std::vector<Json> changes_;
+    std::size_t begun_ = 0;       // of them
+    std::optional<Scene> scene_;  // of the present epoch; none: not known
+};
+
 /// Returns the recording's description of its samples. Its run is not the run of this stream.
 Json about(const recordings::RecordingHead& head, const std::string& file) {
     Json about = measures::provenance_of_meta(head.provenance);
@@ -94,6 +153,8 @@ Exit replay(const ReplayOptions& arguments) {
     }
     stream::StreamOptions options = stream_options(arguments.publish, rate, stream::OnOverrun::drop);
     options.about = about(head, arguments.file);
+    RecordedScene scene(head.provenance);
+    scene.add_to(options.about);
     const stream::PublisherOptions publishing = publisher_options(arguments.publish, source.format(), curve);
     throw_if(measures::memory_shortage("replaying " + arguments.file,
                                        stream_bytes(source.format(), options.pace, publishing)));
@@ -108,6 +169,7 @@ Exit replay(const ReplayOptions& arguments) {
                                 summary["replay"] = arguments.file;
                                 summary["version"] = measures::program_version();
                             },
+                        .epoch_begins = [&](const Epoch& epoch) { return scene.begin(epoch); },
                         .first_sample = first_sample});
     return Exit::done;
 }

@@ -62,6 +62,10 @@ tl::expected<SceneKey, Fault> known_key(const Scene& scene, const std::string& n
         if (fault.key.empty()) {  // else it is known, and has no such entry
             fault.key = quoted_briefly(name);
             fault.found = "an unknown key";
+            if (name.starts_with("materials.")) {
+                fault.found = "a material that the scene does not have";
+                fault.allowed = "keys of its own materials: they come from its file";
+            }
         }
         return fault;
     });

@@ -115,6 +115,9 @@ void ScopeSession::take_request(PageId id, ScopePage& page, const std::string& t
     const Json request = object_from_outside(text);
     if (!request.is_object()) {
         page.reply({{"error", "not a JSON object"}});
+    } else if (request.size() != 1) {
+        page.reply({{"error", "found " + std::to_string(request.size()) +
+                                  " members, allowed: one of view, set, undo, scene, record"}});
     } else if (request.contains("view")) {
         if (const auto view = view_request(request["view"])) {
             page.ask(*view);

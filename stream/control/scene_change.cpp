@@ -58,6 +58,9 @@ std::vector<Fault> frame_faults(const Scene& from, const Scene& to) {
         add("output.duration_s",
             "the value at the start of the stream, which ends when it is stopped or after --duration");
     }
+    if (awaits_samples(to.drive) && !awaits_samples(from.drive)) {
+        add("drive.kind", "a drive whose motion is there: a live one is connected at the start of a stream");
+    }
     if (from.chain.spheres != to.chain.spheres) {
         add("chain.spheres");
     }

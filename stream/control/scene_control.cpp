@@ -46,12 +46,13 @@ bool format_stays(const StreamFormat& a, const StreamFormat& b) noexcept {
 }  // namespace
 
 SceneControl::SceneControl(Scene requested, Scene resolved, SimulationSource& source,
-                           std::optional<std::int64_t> samples, double real_time_factor)
+                           std::optional<std::int64_t> samples, double real_time_factor, bool starts_at_once)
     : requested_(std::move(requested)),
       resolved_(std::move(resolved)),
       factor_(real_time_factor),
       source_(source),
-      samples_(samples) {}
+      samples_(samples),
+      started_(starts_at_once) {}
 
 SceneControl::~SceneControl() {
     if (!job_ || !job_->thread.joinable()) {
@@ -89,6 +90,8 @@ void SceneControl::take(const Json& request, Reply reply) {
                          R"({"get": [KEY, ...]}, {"undo": true})"));
     } else if (!over_.empty()) {
         reply(fault_json("", over_, ""));
+    } else if (!started_.load(std::memory_order_relaxed)) {
+        reply(fault_json("", "a stream that waits for its first subscriber", "changes when it has begun"));
     } else if (waiting_.size() >= most_waiting) {
         reply(fault_json("", "more requests than are kept waiting",
                          "another try when changes have taken effect"));

@@ -43,13 +43,17 @@ public:
 
     /// @param requested the scene as the user gave it @param resolved the scene of the source's start
     /// @param source outlives this @param samples of the stream; unset: it has no end
-    /// @param real_time_factor to be expected of the resolved scene
+    /// @param real_time_factor to be expected of the resolved scene @param starts_at_once else it changes nothing before stream_starts()
     SceneControl(Scene requested, Scene resolved, SimulationSource& source,
-                 std::optional<std::int64_t> samples = std::nullopt, double real_time_factor = 1);
+                 std::optional<std::int64_t> samples = std::nullopt, double real_time_factor = 1,
+                 bool starts_at_once = true);
     /// Waits a little for a change that is being prepared. Pilots that take longer are left behind.
     ~SceneControl();
     SceneControl(const SceneControl&) = delete;
     SceneControl& operator=(const SceneControl&) = delete;
+
+    /// The stream waits for no subscriber any more; from any thread.
+    void stream_starts() noexcept { started_.store(true, std::memory_order_relaxed); }
 
     /// Takes a request as messages have it. Its reply comes at once or in a later tick().
     void take(const Json& request, Reply reply);
@@ -120,6 +124,7 @@ private:
     std::int64_t epoch_ = 0;
     SimulationSource& source_;
     std::optional<std::int64_t> samples_;
+    std::atomic<bool> started_;
     std::string over_;  // why nothing changes any more; empty: it may
     std::deque<Request> waiting_;
     std::vector<Step> history_;

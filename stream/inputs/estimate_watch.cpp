@@ -1,5 +1,6 @@
 #include "stream/inputs/estimate_watch.hpp"
 
+#include <algorithm>
 #include <exception>
 
 #include <fmt/format.h>
@@ -54,7 +55,9 @@ void EstimateWatch::end_thread() noexcept {
 
 EstimateWatch::News EstimateWatch::given_up(double time_s) {
     watching_ = false;
-    return {.warning = fmt::format("after {:.3g} s the motion has left the range of the error estimate; the "
+    estimate_->over_s = std::min(estimate_->over_s, time_s);
+    return {.estimated_again = true,
+            .warning = fmt::format("after {:.3g} s the motion has left the range of the error estimate; the "
                                    "estimate holds for the first {:.3g} s only, later errors are not known",
                                    time_s, estimate_->over_s)};
 }
@@ -107,6 +110,7 @@ EstimateWatch::News EstimateWatch::finish(const MotionExtremes& now) {
     if (watching_ && (estimating() || exceeds(now, event_rate_, seen_))) {
         end_thread();
         news.warning += (news.warning.empty() ? "" : "; ") + given_up(now.time_s).warning;
+        news.estimated_again = true;
     }
     return news;
 }

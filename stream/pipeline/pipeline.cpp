@@ -138,6 +138,9 @@ void Pipeline::start_when_ready(Nanoseconds now) {
         start_time_ = pacer_.flat_out() ? now : now + head_start;
         pacer_.start(*start_time_);
         producer_.go();
+        if (events_->starts) {
+            events_->starts();
+        }
     }
 }
 

@@ -50,6 +50,7 @@ struct StreamOptions {
 struct StreamEvents {
     std::function<void(const StreamMeters&)> progress;  ///< about ten times a second
     std::function<void(const std::string&)> warn;       ///< takes a message for the user
+    std::function<void()> starts = {};  ///< once, if set: no subscriber is waited for any more
     /// Before the first frame of another epoch, if set: members of meta that have changed.
     std::function<Json(const Epoch&)> epoch_begins = {};
     /// About ten times a second, if set: members of meta that have changed, or nothing.

@@ -427,19 +427,79 @@ TEST(Control, ARecordingWhoseListOfChangesIsMissingIsNotSimulatedAgain) {
 
 TEST(Control, AKilledSessionIsSimulatedAgainAsFarAsItsChangesAreKnown) {
     const TemporaryFolder folder;
-    const std::string file = folder.file("a.sigmf-meta");
-    LiveStream stream({"--columns", "v_out", "--record", file});
+    const std::string sigmf = folder.file("a.sigmf-meta");
+    const std::string csv = folder.file("a.csv");
+    LiveStream stream({"--columns", "v_out", "--record", sigmf, "--record", csv});
     for (int change = 1; change <= 30; ++change) {
         ASSERT_EQ(stream.ask({{"set", {{"drive.cycles", 3 + 0.1 * change}}}})["epoch"], change);
     }
     stream.program.messages_with("epoch 30 from sample");
     stream.program.send(SIGKILL);
     stream.program.wait();
-    const std::vector<double> recorded = numbers_in(file);
-    const std::vector<double> again = simulated_again(file, folder.file("again.sigmf-meta"));
-    ASSERT_FALSE(again.empty());
-    ASSERT_LE(again.size(), recorded.size());
-    EXPECT_TRUE(std::equal(again.begin(), again.end(), recorded.begin()));
+    for (const auto& entry : std::filesystem::directory_iterator(folder.file(""))) {
+        const std::string name = entry.path().string();
+        std::filesystem::rename(name, name.substr(0, name.find(".partial-")));
+    }
+    for (const auto& [file, as] :
+         {std::pair(sigmf, folder.file("again.sigmf-meta")), std::pair(csv, folder.file("again.csv"))}) {
+        const std::vector<double> recorded = numbers_in(file);
+        const std::vector<double> again = simulated_again(file, as);
+        ASSERT_GT(again.size(), 1U) << file;
+        ASSERT_LE(again.size(), recorded.size()) << file;
+        EXPECT_TRUE(std::equal(again.begin(), again.end(), recorded.begin())) << file;
+    }
+}
+
+TEST(Control, AReplayedSessionHasItsScenesOneAfterAnother) {
+    const TemporaryFolder folder;
+    const std::string file = folder.file("a.h5");
+    LiveStream stream({"--columns", "v_out", "--record", file});
+    Json changes = Json::array();
+    for (const double amplitude : {2e-6, 1e-6, 4e-6}) {
+        changes.push_back(
+            stream.ask({{"set", {{"drive.amplitude_m", amplitude}, {"drive.repetition_hz", 999}}}}));
+    }
+    stream.program.messages_with("epoch 3 from sample");
+    stream.program.send(SIGINT);
+    ASSERT_EQ(stream.program.wait().status, 0);
+
+    Program replay({"replay", file, "--pace", "flat-out", "--wait-for-subscriber", "--bind", any_port});
+    Subscriber subscriber(replay.endpoint());
+    subscriber.subscribe("meta");
+    EXPECT_EQ(object_of(subscriber, "meta")["changes"], Json::array());
+    const std::string heard = folder.file("b.h5");
+    const Outcome listener = hertzline({"listen", "--connect", replay.endpoint(), "-o", heard});
+    ASSERT_EQ(listener.status, 0) << listener.err;
+    EXPECT_EQ(changes_in_file(heard), changes_in_file(file));
+    EXPECT_TRUE(numbers_in(file) == simulated_again(heard, folder.file("again.h5")));
+    for (int epoch = 0; epoch < 3;) {
+        const Json meta = object_of(subscriber, "meta");
+        ASSERT_TRUE(meta.is_object());
+        const int now = meta["epoch"].get<int>();
+        EXPECT_EQ(meta["changes"].size(), now);
+        if (now > epoch) {
+            const Json& reply = changes[static_cast<std::size_t>(now) - 1];
+            EXPECT_EQ(meta["scene_hash"], reply["scene_hash"]);
+            EXPECT_EQ(meta["estimated_error"], reply["estimated_error"]);
+            EXPECT_EQ(meta["epoch_sample"], reply["applies_at_sample"]);
+            EXPECT_EQ(meta["scene"]["drive"]["amplitude_m"],
+                      meta["changes"].back()["set"]["drive.amplitude_m"]);
+            EXPECT_EQ(meta["step_s"], meta["scene"]["numerics"]["step_s"]);
+            epoch = now;
+        }
+    }
+}
+
+TEST(Control, AStreamThatWaitsForASubscriberSaysSo) {
+    LiveStream stream({"--wait-for-subscriber"});
+    const Json change{{"set", {{"drive.amplitude_m", 2e-6}}}};
+    EXPECT_EQ(stream.ask(change)["faults"][0]["message"],
+              "found a stream that waits for its first subscriber, allowed: changes when it has begun");
+    EXPECT_EQ(stream.ask({{"get", Json::array()}})["epoch"], 0);
+    Subscriber subscriber(stream.program.endpoint());
+    subscriber.subscribe("v_out/np");
+    ASSERT_NE(subscriber.receive(std::chrono::seconds(60)), nullptr);
+    EXPECT_EQ(stream.ask(change)["epoch"], 1);
 }
 
 TEST(Control, WhatIsTooSlowIsRefusedAndAStreamThatStandsComesBack) {

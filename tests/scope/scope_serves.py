@@ -315,6 +315,8 @@ def strangers_are_refused(stand):
             page.text(lambda m: "state" in m)
             page.say({"view": {"columns": 1e9}})
             page.text(lambda m: any("columns" in reply.get("error", "") for reply in m.get("replies", [])))
+            page.say({"set": {"drive.cycles": 3}, "view": {}})
+            page.text(lambda m: any("found 2 members" in reply.get("error", "") for reply in m.get("replies", [])))
             page.send_frame(1, b"[" * 10_000)
             page.text(lambda m: any("error" in reply for reply in m.get("replies", [])))
             page.send_frame(1, b" " * 70_000)  # longer than any message of a page

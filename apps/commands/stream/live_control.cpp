@@ -61,9 +61,9 @@ std::optional<stream::CurveServer> checked_control(const ControlRequest& request
 
 LiveControl::LiveControl(const ControlRequest& request, const std::optional<stream::CurveServer>& curve,
                          const Resolution& resolved, stream::SimulationSource& source,
-                         std::optional<std::int64_t> samples)
+                         std::optional<std::int64_t> samples, stream::StreamStart start)
     : control_(resolved.requested(), resolved.scene, source, samples,
-               stream::expected_real_time_factor(resolved)),
+               stream::expected_real_time_factor(resolved), start == stream::StreamStart::at_once),
       server_(request.endpoint, curve, control_) {}
 
 std::vector<stream::EpochOfChange> LiveControl::begin(const Epoch& epoch) {

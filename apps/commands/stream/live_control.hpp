@@ -32,12 +32,16 @@ std::optional<stream::CurveServer> checked_control(const ControlRequest& request
 class LiveControl {
 public:
     /// @param resolved the scene that the source began with
-    /// @param samples of the stream; unset: it has no end @throws std::runtime_error when the endpoint cannot be bound
+    /// @param samples of the stream; unset: it has no end @param start of the stream
+    /// @throws std::runtime_error when the endpoint cannot be bound
     LiveControl(const ControlRequest& request, const std::optional<stream::CurveServer>& curve,
                 const Resolution& resolved, stream::SimulationSource& source,
-                std::optional<std::int64_t> samples);
+                std::optional<std::int64_t> samples, stream::StreamStart start);
 
     const std::string& endpoint() const noexcept { return server_.endpoint(); }
+
+    /// The stream does not wait any more.
+    void stream_starts() noexcept { control_.stream_starts(); }
 
     /// Returns the changes up to the epoch, in order.
     std::vector<stream::EpochOfChange> begin(const Epoch& epoch);

@@ -206,12 +206,12 @@ void warn_of_scene(const StreamOptions& arguments, const Resolution& resolved) {
 
 std::unique_ptr<LiveControl> control_of(const StreamOptions& arguments, const CheckedArguments& checked,
                                         stream::SimulationSource& source,
-                                        std::optional<std::int64_t> samples) {
+                                        const stream::StreamOptions& options) {
     if (arguments.control.endpoint.empty()) {
         return nullptr;
     }
     auto control = std::make_unique<LiveControl>(arguments.control, checked.control_curve, checked.resolved,
-                                                 source, samples);
+                                                 source, options.samples, options.start);
     spdlog::info("control {}", control->endpoint());
     return control;
 }
@@ -248,7 +248,7 @@ Exit stream(const StreamOptions& arguments) {
         }
     }
     stream::SimulationSource source(scene, asked.recorded, live.get());
-    const std::unique_ptr<LiveControl> control = control_of(arguments, asked, source, options.samples);
+    const std::unique_ptr<LiveControl> control = control_of(arguments, asked, source, options);
     if (control) {
         control->add_to(options.about);
     }

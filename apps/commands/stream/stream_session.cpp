@@ -98,6 +98,7 @@ PublishedSource StreamSession::callbacks() {
         };
     }
     if (control_ != nullptr) {
+        source.starts = [this] { control_->stream_starts(); };
         source.epoch_begins = [this](const Epoch& epoch) { return begin(epoch); };
     }
     return source;

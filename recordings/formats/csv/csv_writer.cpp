@@ -1,7 +1,10 @@
 #include <algorithm>
 #include <array>
 #include <charconv>
+#include <chrono>
+#include <memory>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include <fmt/format.h>
@@ -23,22 +26,24 @@ std::string own_key(const char* name) {
     return std::string("urn:hertzline:") + name;
 }
 
-std::string metadata_text(const fs::path& path, const RecordingHead& head) {
+constexpr auto between_metadata = std::chrono::milliseconds(500);
+constexpr double metadata_bytes_per_s = 1 << 20;
+
+std::string metadata_text(const fs::path& path, const RecordingHead& head, const Json& provenance) {
     const char* datatype = head.numbers == NumberType::float32 ? "float" : "double";
     std::vector<CsvColumn> columns{{{csv_time_column, "t", "s"}, "double"}};
     for (const Column& column : head.columns) {
         columns.push_back({column, datatype});
     }
-    return csv_metadata(path, columns, head.provenance, head.sample_rate_hz);
+    return csv_metadata(path, columns, provenance, head.sample_rate_hz);
 }
 
 class CsvWriter final : public CheckedWriter {
 public:
-    CsvWriter(const fs::path& path, const RecordingHead& head) : CheckedWriter(path, head), file_(path) {
+    CsvWriter(const fs::path& path, const RecordingHead& head)
+        : CheckedWriter(path, head), file_(path), may_change_(head.provenance.contains("changes")) {
         if (!file_.is_device()) {
-            metadata_.emplace(csv_metadata_path(path), StagedFile::Devices::refused);
-            metadata_->write(metadata_text(path, head));
-            metadata_->flush();  // fails now rather than at the end
+            save_metadata(0);  // fails now rather than at the end
         }
         line_ = csv_time_column;
         for (const Column& column : head.columns) {
@@ -48,18 +53,38 @@ public:
     }
 
 private:
-    void changed(const Json& /*change*/) override { metadata_is_stale_ = true; }
+    void changed(const Json& /*change*/) override { may_change_ = true; }
 
-    void renew_metadata() {
-        if (metadata_ && metadata_is_stale_) {
-            metadata_.emplace(csv_metadata_path(path()), StagedFile::Devices::refused);
-            metadata_->write(metadata_text(path(), head()));
-            metadata_is_stale_ = false;
+    /// The metadata before them stay until the new ones are written. @param until the sample before which they have all changes; none:
+    /// they have all
+    void save_metadata(std::optional<std::int64_t> until) {
+        Json provenance = head().provenance;
+        if (until && may_change_) {
+            provenance["changes_until_sample"] = *until;
         }
+        auto renewed = std::make_unique<OutputFile>(csv_metadata_path(path()), StagedFile::Devices::refused);
+        renewed->write(metadata_text(path(), head(), provenance));
+        renewed->flush();
+        metadata_ = std::move(renewed);
+        saved_metadata_ = std::chrono::steady_clock::now();
+    }
+
+    void complete_metadata() {
+        if (metadata_ && may_change_) {
+            save_metadata(std::nullopt);
+        }
+    }
+
+    /// More seldom the larger they are.
+    bool metadata_are_due() const {
+        const std::chrono::duration<double> since = std::chrono::steady_clock::now() - saved_metadata_;
+        return since >= between_metadata &&
+               since.count() >= static_cast<double>(metadata_->bytes()) / metadata_bytes_per_s;
     }
 
     void append(std::int64_t first, std::span<const double> values) override {
         const std::size_t columns = head().columns.size();
+        end_ = first + static_cast<std::int64_t>(values.size() / columns);
         for (; !values.empty(); values = values.subspan(columns)) {
             line_.clear();
             append_csv_number(line_, static_cast<double>(first++) / head().sample_rate_hz);  // counted
@@ -81,6 +106,9 @@ private:
     }
 
     void flush() {
+        if (metadata_ && may_change_ && metadata_are_due()) {
+            save_metadata(end_);  // first: rows without their change would pass for the scene before
+        }
         file_.flush();
         flushed_bytes_ = file_.bytes();
         flushed_lines_ = lines_;
@@ -88,7 +116,7 @@ private:
 
     void finish() override {
         flush();
-        renew_metadata();
+        complete_metadata();
         file_.close();
         if (metadata_) {
             metadata_->close();  // an older recording goes only when the new files are complete
@@ -130,7 +158,10 @@ private:
     }
 
     KeptRows kept_as_it_is(std::int64_t rows) {
-        renew_metadata();
+        try {
+            complete_metadata();
+        } catch (const std::exception&) {  // the disk is full: those that are there say how far they go
+        }
         if (metadata_) {
             metadata_->keep();
         }
@@ -144,8 +175,10 @@ private:
     }
 
     OutputFile file_;
-    std::optional<OutputFile> metadata_;  // unset for devices; in the file from the start on
-    bool metadata_is_stale_ = false;      // since then the scene has changed
+    std::unique_ptr<OutputFile> metadata_;  // null for devices; in the file from the start on
+    bool may_change_;                       // the scene, on the way
+    std::chrono::steady_clock::time_point saved_metadata_;
+    std::int64_t end_ = 0;  // the sample after those that are appended
     std::string line_;
     std::int64_t lines_ = 0;  // including the line of names
     std::int64_t flushed_lines_ = 0;

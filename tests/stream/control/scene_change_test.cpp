@@ -34,6 +34,7 @@ TEST(SceneChange, WhatFramesHoldStays) {
     EXPECT_EQ(faults({{"output.points_m", {{0, 0, 0.01}}}}).front().key, "output.points_m");
     EXPECT_EQ(faults({{"output.sample_rate_hz", 1e6}, {"chain.spheres", 3}, {"end.kind", "wall"}}).size(),
               3U);
+    EXPECT_EQ(faults({{"drive.kind", "live"}}).front().key, "drive.kind");
 }
 
 TEST(SceneChange, ARecordStaysAsItWasRead) {

@@ -83,6 +83,17 @@ TEST(EstimateWatch, AMotionThatLeavesAtTheVeryEndIsNamed) {
                 HasSubstr("later errors are not known"));
 }
 
+TEST(EstimateWatch, AnEstimateHoldsNoLongerThanTheMotionStays) {
+    const Resolution resolved = resolve(growing_scene(), std::nullopt);
+    EstimateWatch watch(resolved);
+    MotionExtremes grown = extent_after(resolved.scene, 4e-3);
+    grown.time_s = resolved.estimate->over_s / 2;  // the pilots' motion did not go as far in that time
+    const EstimateWatch::News news = watch.finish(grown);
+    EXPECT_THAT(news.warning, HasSubstr("the estimate holds for the first 0.0005 s only"));
+    EXPECT_TRUE(news.estimated_again);
+    EXPECT_EQ(watch.estimate()->over_s, grown.time_s);
+}
+
 TEST(EstimateWatch, LeavesAloneWhatHasNoEstimate) {
     Resolution resolved = resolve(growing_scene(), std::nullopt);
     const MotionExtremes grown = extent_after(resolved.scene, 4e-3);
