@@ -9,6 +9,8 @@
 #include <stdexcept>
 #include <utility>
 
+#include <fmt/format.h>
+
 #include "core/model/chain.hpp"
 #include "core/model/drive.hpp"
 #include "core/model/energy.hpp"
@@ -426,6 +428,48 @@ Status fill(Run& run, Simulation& simulation, const std::function<bool(const Sam
     return fill(run, sequence, take);
 }
 
+bool motion_goes_on(const Scene& from, const Scene& to) {
+    if (is_array(from) || is_array(to)) {  // whose motion is not handed over
+        return false;
+    }
+    Scene same = from;
+    same.drive = to.drive;
+    same.drive.kind = from.drive.kind;
+    same.drive.material = from.drive.material;
+    same.numerics.step_s = to.numerics.step_s;
+    same.numerics.accuracy = to.numerics.accuracy;
+    return same == to;
+}
+
+namespace {
+
+/// Adds the faults of a step after another one. @param sample of the step before @param before its scene
+void check_step(const SceneStep& step, std::int64_t sample, Scene before, Faults& faults) {
+    before.output.duration_s = step.scene.output.duration_s;  // that of the run's own scene counts
+    if (const std::vector<Fault> wrong = validate(step.scene); !wrong.empty()) {
+        faults.add("steps", wrong);
+        return;
+    }
+    if (step.sample < sample + (step.continued || sample == 0 ? 1 : 0)) {
+        faults.add("steps", fmt::format("found one from sample {} on, allowed: from 1 on and in their order",
+                                        step.sample));
+    }
+    if (channel_counts(step.scene) != channel_counts(before) ||
+        step.scene.output.sample_rate_hz != before.output.sample_rate_hz) {
+        faults.add("steps",
+                   "found a scene with other numbers of spheres, points or elements, or another sample rate, "
+                   "allowed: equal ones");
+    } else if (step.continued &&
+               !(Simulation::can_hand_over(before) && Simulation::can_hand_over(step.scene) &&
+                 motion_goes_on(before, step.scene))) {
+        faults.add("steps",
+                   "found a motion that cannot be continued, allowed: those of can_hand_over(), by scenes "
+                   "that differ in drive and step");
+    }
+}
+
+}  // namespace
+
 }  // namespace hertzline::measures
 
 namespace hertzline {
@@ -433,6 +477,11 @@ namespace hertzline {
 Run run(const Resolution& resolved, const RunOptions& options) {
     const ResolvedScene checked = resolved;
     const Scene& scene = checked.scene();
+    {
+        Faults faults;
+        faults.add({}, validate(scene));
+        faults.refuse<std::invalid_argument>();
+    }
     const TapSet there = taps_of(scene);
     const TapSet measured = measures::measured_taps(scene, options.measured);
     Faults faults;
@@ -446,18 +495,10 @@ Run run(const Resolution& resolved, const RunOptions& options) {
     };
     refuse((options.measured | options.recorded) - there, there);
     refuse((options.measured & there) - measures::measurable_taps, there & measures::measurable_taps);
-    const auto check_step = [&](const SceneStep& step, const Scene& before) {
-        if (channel_counts(step.scene) != channel_counts(scene)) {
-            faults.add(
-                "steps",
-                "found a scene with other numbers of spheres, points or elements, allowed: equal ones");
-        } else if (step.continued &&
-                   !(Simulation::can_hand_over(before) && Simulation::can_hand_over(step.scene))) {
-            faults.add("steps", "found a motion that cannot be continued, allowed: those of can_hand_over()");
-        }
-    };
     for (std::size_t i = 0; i < options.steps.size(); ++i) {
-        check_step(options.steps[i], i == 0 ? scene : options.steps[i - 1].scene);
+        const SceneStep* before = i == 0 ? nullptr : &options.steps[i - 1];
+        measures::check_step(options.steps[i], before != nullptr ? before->sample : 0,
+                             before != nullptr ? before->scene : scene, faults);
     }
     faults.refuse<std::invalid_argument>();
     throw_if<OutOfMemory>(measures::memory_shortage(

@@ -32,6 +32,10 @@ double rows_of_run(const Scene& scene) noexcept;
 /// The taps that a run simulates: recorded and measured ones, and those that its numbers need.
 TapSet taps_of_run(const Scene& scene, TapSet wanted) noexcept;
 
+/// Whether the motion continues when one resolved scene becomes the other: drives and steps may differ, the horn's material may
+/// not. Else it restarts from static equilibrium.
+bool motion_goes_on(const Scene& from, const Scene& to);
+
 /// Samples that are simulated, then written, at a time.
 std::size_t block_of_run(const Scene& scene, TapSet taps) noexcept;
 

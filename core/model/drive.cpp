@@ -148,7 +148,7 @@ std::vector<Fault> drive_faults(const Drive& drive) {
     }
     if (drive.samples.empty()) {
         return {{"drive.file", drive.file ? quoted_briefly(*drive.file) + ", which was not read" : "nothing",
-                 R"(a recording with drive.kind = "file")"}};
+                 R"(a recording, or drive.samples, with drive.kind = "file")"}};
     }
     if (drive.samples.size() == 1) {
         return {{"drive.samples", "one sample", "at least two: a motion"}};

@@ -27,19 +27,6 @@ Json faults_json(const std::vector<Fault>& faults) {
     return {{"faults", std::move(list)}};
 }
 
-bool motion_goes_on(const Scene& from, const Scene& to) {
-    if (is_array(from) || is_array(to)) {  // whose motion is not handed over
-        return false;
-    }
-    Scene same = from;
-    same.drive = to.drive;
-    same.drive.kind = from.drive.kind;
-    same.drive.material = from.drive.material;
-    same.numerics.step_s = to.numerics.step_s;
-    same.numerics.accuracy = to.numerics.accuracy;
-    return same == to;
-}
-
 std::vector<Fault> frame_faults(const Scene& from, const Scene& to) {
     std::vector<Fault> faults;
     const auto add = [&](const std::string& name,

@@ -13,15 +13,14 @@
 #include "hertzline/resolve.hpp"
 #include "hertzline/scene.hpp"
 #include "hertzline/taps.hpp"
+#include "measures/run.hpp"
 
 namespace hertzline::stream {
 
 /// Returns the faults as replies have them.
 Json faults_json(const std::vector<Fault>& faults);
 
-/// Whether the motion continues when one resolved scene becomes the other: drives and steps may differ, the horn's material may
-/// not. Else it restarts from static equilibrium.
-bool motion_goes_on(const Scene& from, const Scene& to);
+using measures::motion_goes_on;
 
 /// Returns the changes that a stream cannot make, because its frames depend on these values, or a record was read by them.
 std::vector<Fault> frame_faults(const Scene& from, const Scene& to);

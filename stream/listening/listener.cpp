@@ -41,6 +41,9 @@ ReceivedFrame* Listener::receive(std::chrono::milliseconds patience) {
     }
     using Clock = std::chrono::steady_clock;
     const Clock::time_point start = Clock::now();
+    // not beyond the silence that ends listening, and a millisecond more
+    const double left_ms = std::min(1e3 * std::max(0.0, timeout_s() - silence_.count()) + 1, 1e9);
+    patience = std::min(patience, std::chrono::milliseconds(static_cast<std::int64_t>(left_ms)));
     ReceivedFrame* frame = nullptr;
     if (const Message* message = subscriber_->receive(patience)) {
         frame = take(*message);

@@ -300,6 +300,11 @@ TEST(Control, ChangesThatCannotBeMadeAreFaults) {
     EXPECT_THAT(fault(R"([{"sample": 1e300, "set": {}}])"), HasSubstr("sample: found"));
     EXPECT_THAT(fault(R"([{"sample": 10, "set": {"chain.preload_n": 0.2}, "motion": "goes on"}])"),
                 HasSubstr("motion: found \"goes on\", but these keys restart the motion"));
+    EXPECT_THAT(
+        fault(
+            R"([{"sample": 10, "set": {"chain.preload_n": -1}}, {"sample": 20, "set": {"drive.cycles": -2}}])"),
+        testing::AllOf(HasSubstr("sample 10 on: chain.preload_n: found -1"),
+                       HasSubstr("sample 20 on: drive.cycles: found -2")));
 }
 
 TEST(Control, TheDocumentsChangesChangeTheRun) {

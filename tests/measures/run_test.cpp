@@ -56,6 +56,29 @@ TEST(Run, RequestsThatItCannotMeetAreRefused) {
     longer.chain.spheres = 7;
     const std::vector<SceneStep> other{{.sample = 10, .scene = longer}};
     EXPECT_THAT(error_of([&] { run(resolved, {.steps = other}); }), HasSubstr("other numbers of spheres"));
+    const auto refusal = [&](const auto& change, std::int64_t sample = 10, bool continued = false) {
+        Scene changed = resolved.scene;
+        change(changed);
+        const std::vector<SceneStep> steps{{.sample = sample, .continued = continued, .scene = changed}};
+        return error_of([&] { run(resolved, {.steps = steps}); });
+    };
+    EXPECT_THAT(refusal([](Scene& scene) { scene.chain.material = "nope"; }),
+                HasSubstr("chain.material: found \"nope\""));
+    EXPECT_THAT(refusal([](Scene& scene) { scene.chain.preload_n = std::nan(""); }),
+                HasSubstr("chain.preload_n: found nan"));
+    EXPECT_THAT(refusal([](Scene& scene) { scene.output.sample_rate_hz = 1e6; }),
+                HasSubstr("another sample rate"));
+    EXPECT_THAT(refusal([](Scene&) {}, -5), HasSubstr("found one from sample -5 on"));
+    EXPECT_THAT(refusal([](Scene& scene) { scene.chain.diameter_m = 2e-3; }, 10, true),
+                HasSubstr("cannot be continued"));
+    const std::vector<SceneStep> back{{.sample = 20, .scene = resolved.scene},
+                                      {.sample = 10, .scene = resolved.scene}};
+    EXPECT_THAT(error_of([&] { run(resolved, {.steps = back}); }), HasSubstr("in their order"));
+    Resolution edited = resolved;
+    edited.scene.chain.material = "nope";
+    edited.scene.chain.spheres = -1;
+    EXPECT_THAT(error_of([&] { run(edited); }),
+                AllOf(HasSubstr("chain.material: found"), HasSubstr("chain.spheres: found -1")));
     Scene array = read_scene("seven-chains");
     array.array.coupling = Coupling::none;
     const Resolution arrayed = resolve(array);

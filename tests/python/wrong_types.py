@@ -69,6 +69,7 @@ class WrongTypes(InAFolder):
         for call in (lambda: self.result.save(self.folder / "a\0.npy"), lambda: hertzline.load("a\0.npy"), lambda: hertzline.scene("a\0")):
             self.check(ValueError, r"found the file name '.*a\\x00.*', allowed: ", call)
         self.assertEqual(list(self.folder.iterdir()), [])
+        self.check(ValueError, "found the file name '', allowed: ", lambda: hertzline.scene(""))
 
     def test_names_that_are_not_there(self):
         self.check(KeyError, "end.thickness.*allowed: a key of the scene, as end.thickness_m", lambda: self.scene["end.thickness"])

@@ -103,18 +103,38 @@ bool take_step(Session& session, stream::SceneChange& change, Scene& scene, Scen
     return true;
 }
 
-/// Adds the scenes that the changes make, or the faults of the first wrong one.
+std::string place_of(const std::string& origin, const stream::SceneChange& change) {
+    return fmt::format("{}: change from sample {} on", origin, change.sample);
+}
+
+/// Whether the values of all changes are allowed by themselves; adds the faults of those that are not.
+bool have_allowed_values(const std::vector<stream::SceneChange>& changes, Scene scene,
+                         const std::string& origin, Faults& faults) {
+    bool allowed = true;
+    for (const stream::SceneChange& change : changes) {
+        if (auto changed = faults.value_of(place_of(origin, change), with_values(scene, change.set))) {
+            scene = *std::move(changed);
+        } else {
+            allowed = false;
+        }
+    }
+    return allowed;
+}
+
+/// Adds the scenes that the changes make, or their faults: those of all values, else those of the first scene that is wrong.
 /// @param scene with or without integrator and step @param samples of the session
 std::optional<Session> with_steps(Session session, Scene scene, std::int64_t samples,
                                   const std::string& origin, Faults& faults) {
+    if (!have_allowed_values(session.changes, scene, origin, faults)) {
+        return std::nullopt;
+    }
     Scene before = session.resolved.scene;
     for (std::size_t i = 0; i < session.changes.size(); ++i) {
         stream::SceneChange& change = session.changes[i];
         const std::int64_t end = i + 1 < session.changes.size() ? session.changes[i + 1].sample : samples;
         const double run_s =
             static_cast<double>(std::max<std::int64_t>(1, end - change.sample)) / scene.output.sample_rate_hz;
-        const std::string where = fmt::format("{}: change from sample {} on", origin, change.sample);
-        if (!take_step(session, change, scene, before, run_s, where, faults)) {
+        if (!take_step(session, change, scene, before, run_s, place_of(origin, change), faults)) {
             return std::nullopt;
         }
     }

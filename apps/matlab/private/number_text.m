@@ -1,7 +1,11 @@
 function text = number_text(value)
 %NUMBER_TEXT  A short text that reads back to the same number.
 if isinteger(value)
-    text = sprintf('%d', value);
+    if value < 0
+        text = sprintf('%d', value);
+    else
+        text = sprintf('%u', value);  % in Octave %d has six digits of numbers beyond int64
+    end
     return
 end
 value = double(value);

@@ -82,6 +82,6 @@ def items_of(argument: str, mapping: Any) -> dict[str, Any]:
 def file_name(path: Path) -> bytes:
     """The bytes of a file's name."""
     name = os.fsencode(path)
-    if b"\0" in name:
-        raise ValueError(f"found the file name {os.fsdecode(name)!r}, allowed: names without a null character")
+    if not name or b"\0" in name:
+        raise ValueError(f"found the file name {os.fsdecode(name)!r}, allowed: names with characters, none of them null")
     return name

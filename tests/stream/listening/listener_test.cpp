@@ -98,6 +98,14 @@ TEST_F(ListenerTest, EndsAfterASilenceThatIsNotWaitedFor) {
     }));
 }
 
+TEST_F(ListenerTest, WaitsNoLongerThanTheSilenceThatEndsIt) {
+    Listener silent(endpoint, {.timeout_s = 0.05});
+    while (!silent.ended()) {
+        EXPECT_EQ(silent.receive(std::chrono::milliseconds::max()), nullptr);  // would never return
+    }
+    EXPECT_EQ(silent.run().end_reason(), EndReason::silence);
+}
+
 TEST_F(ListenerTest, EndsAfterASilenceOrWhenItIsClosed) {
     Listener silent(endpoint, {.timeout_s = 0.05});
     EXPECT_THAT(runs_of(silent, 1), testing::IsEmpty());
