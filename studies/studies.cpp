@@ -22,11 +22,21 @@ namespace {
 using Axes = tl::expected<std::vector<studies::Axis>, std::vector<Fault>>;
 using Plan = tl::expected<studies::SweepPlan, std::vector<Fault>>;
 
+bool is_range(const StudyValues& values) {
+    const auto* text = std::get_if<std::string>(&values);
+    return text != nullptr && text->find("..") != std::string::npos;
+}
+
+/// Returns the values of a list; those of a text stand between its commas.
 std::vector<SceneValue> list_of(const StudyValues& values) {
     return std::visit(
         [](const auto& list) {
             if constexpr (std::is_same_v<std::decay_t<decltype(list)>, std::string>) {
-                return std::vector<SceneValue>{};
+                std::vector<SceneValue> words;
+                for (const std::string_view word : split(list, ',')) {
+                    words.emplace_back(std::string(trimmed(word, " ")));
+                }
+                return words;
             } else {
                 return std::vector<SceneValue>(list.begin(), list.end());
             }
@@ -73,7 +83,7 @@ Plan plan_of_list(const Scene& scene, const StudyKeys& keys) {
     std::vector<studies::PointColumn> columns;
     std::vector<Fault> faults;
     for (const auto& [key, values] : keys) {
-        if (std::holds_alternative<std::string>(values)) {
+        if (is_range(values)) {
             faults.push_back({key, "a range", "a list with a value for each point"});
         }
         columns.push_back({key, list_of(values)});

@@ -104,6 +104,11 @@ TEST(StudyVerbs, ListsOfOtherLengthsRangesAndNothingAreRefusedAsPoints) {
               "end.thickness_m: found 2 values, allowed: 1, as many as of chain.preload_n");
     EXPECT_THAT(error_of_list({{"chain.preload_n", "0.1..1:2"}}),
                 HasSubstr("found a range, allowed: a list"));
+    EXPECT_THAT(error_of_list({{"chain.preload_n", "0.1, x"}}), HasSubstr("chain.preload_n: found \"x\""));
+    const StudyTable table = sweep(
+        Scene{}, {{"chain.preload_n", "0.1, 200 mN"}, {"chain.spheres", std::vector<std::int64_t>{5, 6}}}, {},
+        SweepPoints::list);
+    EXPECT_THAT(std::get<std::vector<double>>(table.columns.at(1).values), testing::ElementsAre(0.1, 0.2));
     EXPECT_EQ(error_of_list({}), "found no keys that vary, allowed: at least one");
     EXPECT_EQ(error_of([] {
                   sweep(Scene{}, {{"chain.preload_n", std::vector<double>{}}});
