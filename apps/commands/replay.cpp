@@ -10,6 +10,7 @@
 
 #include "apps/arguments/options.hpp"
 #include "apps/command.hpp"
+#include "apps/commands/listed_changes.hpp"
 #include "apps/commands/publish_session.hpp"
 #include "apps/console/signals.hpp"
 #include "core/scene/faults.hpp"
@@ -71,50 +72,51 @@ public:
                 scene_ = *scene;
             }
         }
+        change_until(first_);
     }
 
-    /// Adds to the members of meta for the first epoch the changes so far.
-    void add_to(Json& meta) {
+    /// Makes the changes of meta those before the first sample.
+    void add_to(Json& meta) const {
         if (meta.contains("changes")) {
-            meta["changes"] = begun_until(first_);
+            listed_.add_to(meta);
         }
     }
 
     /// Returns the members of meta for another epoch, as `stream` has sent them; null where the recording does not tell.
     Json begin(const Epoch& epoch) {
-        Json meta{{"changes", begun_until(epoch.number)}};
-        if (meta["changes"].empty()) {
+        change_until(epoch.number);
+        if (begun_ == 0) {
             return Json::object();
         }
-        const Json last = meta["changes"].back();
-        meta["scene"] = scene_ ? scene_json(*scene_) : Json(nullptr);
-        for (const char* key : {"scene_hash", "estimated_error", "estimated_over_s"}) {
-            meta[key] = OutsideJson(last).at(key);
-        }
+        Json meta{{"scene", scene_ ? scene_json(*scene_) : Json(nullptr)}};
         for (const char* key : {"integrator", "step_s"}) {
             meta[key] = scene_ ? meta["scene"]["numerics"][key] : Json(nullptr);
         }
+        for (const char* key : {"scene_hash", "estimated_error", "estimated_over_s"}) {
+            meta[key] = OutsideJson(changes_[begun_ - 1]).at(key);
+        }
+        listed_.add_to(meta);
         return meta;
     }
 
 private:
     static std::int64_t epoch_in(const Json& json) { return OutsideJson(json).count("epoch").value_or(0); }
 
-    /// Returns the changes up to that epoch, and changes the scene by them.
-    Json begun_until(std::int64_t epoch) {
+    void change_until(std::int64_t epoch) {
         for (; begun_ < changes_.size() && epoch_in(changes_[begun_]) <= epoch; ++begun_) {
             const Json& change = changes_[begun_];
+            listed_.add(change);
             if (scene_ && epoch_in(change) > first_) {  // else it has the values
                 const auto changed = with_values(*scene_, OutsideJson(change).at("set"));
                 scene_ = changed ? std::optional(*changed) : std::nullopt;
             }
         }
-        return std::vector<Json>(changes_.begin(), changes_.begin() + static_cast<std::ptrdiff_t>(begun_));
     }
 
     std::int64_t first_;  // epoch
     std::vector<Json> changes_;
-    std::size_t begun_ = 0;       // of them
+    std::size_t begun_ = 0;  // of them
+    ListedChanges listed_;
     std::optional<Scene> scene_;  // of the present epoch; none: not known
 };
 

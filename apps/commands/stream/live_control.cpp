@@ -9,14 +9,6 @@
 
 namespace hertzline::app {
 
-namespace {
-
-// Bounds the changes in meta, which is sent once a second. Listeners read at most 1 MiB of it.
-constexpr std::size_t most_listed = 500;
-constexpr std::size_t most_listed_bytes = 512 << 10;
-
-}  // namespace
-
 void add_control_options(CLI::App& app, ControlRequest& request) {
     app.add_option("--control", request.endpoint,
                    "let hertzline set change the scene while it is streamed: where to listen for it, as "
@@ -69,23 +61,14 @@ LiveControl::LiveControl(const ControlRequest& request, const std::optional<stre
 std::vector<stream::EpochOfChange> LiveControl::begin(const Epoch& epoch) {
     std::vector<stream::EpochOfChange> begun = control_.take_epochs(epoch);
     for (const stream::EpochOfChange& one : begun) {
-        changes_.push_back(stream::change_json(one.change));
-        listed_bytes_ += changes_.back().dump().size();
-        while (changes_.size() > most_listed || listed_bytes_ > most_listed_bytes) {
-            listed_bytes_ -= changes_.front().dump().size();
-            changes_.erase(0);
-            ++left_out_;
-        }
+        changes_.add(stream::change_json(one.change));
     }
     return begun;
 }
 
 void LiveControl::add_to(Json& meta) const {
     meta["control"] = true;
-    meta["changes"] = changes_;
-    if (left_out_ > 0) {
-        meta["changes_left_out"] = left_out_;
-    }
+    changes_.add_to(meta);
 }
 
 std::string change_text(const stream::SceneChange& change) {

@@ -9,6 +9,7 @@
 
 #include <CLI/CLI.hpp>
 
+#include "apps/commands/listed_changes.hpp"
 #include "apps/commands/publish_session.hpp"
 #include "hertzline/resolve.hpp"
 #include "stream/control/control_server.hpp"
@@ -55,9 +56,7 @@ public:
 private:
     stream::SceneControl control_;
     stream::ControlServer server_;
-    Json changes_ = Json::array();
-    std::size_t listed_bytes_ = 0;
-    std::uint64_t left_out_ = 0;
+    ListedChanges changes_;
 };
 
 /// Returns a change for the log: "epoch 3 from sample 20000 on: drive.amplitude_m = 2e-06".

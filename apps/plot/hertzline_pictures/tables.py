@@ -125,10 +125,13 @@ class Sweep:
     def chosen(self, names):
         usual = [name for name in ("occupied_20db_hz", "peak_v_out_m_per_s", "peak_pa") if name in self.quantities]
         names = names or usual or [name for name in self.quantities if not name.startswith("estimated_")][:2]
+        self.require("--quantity", names)
+        return names
+
+    def require(self, argument, names):
         for name in names:
             if name not in self.quantities:
-                raise WrongUse(f"--quantity: found {name}, allowed: {', '.join(self.quantities)}")
-        return names
+                raise WrongUse(f"{argument}: found {name}, allowed: {', '.join(self.quantities)}")
 
 
 def read_sweep(path):

@@ -100,7 +100,7 @@ class Live:
     def __init__(self, native: _native.Listener, endpoint: str, stream: str, gaps: str) -> None:
         self._native = native
         self._endpoint, self._stream, self._gaps = endpoint, stream, gaps
-        self._end_reported = False  # the gap before the end
+        self._gap_at_end_told = False
         self._kept: Block | None = None  # the block after a gap that was raised
 
     def __enter__(self) -> Live:
@@ -152,8 +152,8 @@ class Live:
         if why == "no such stream":
             raise ValueError(f"stream: found {self._stream}, allowed: {', '.join(self._native.streams)}")
         missing = self._native.missing_at_end
-        if missing and self._gaps == "raise" and not self._end_reported:
-            self._end_reported = True
+        if missing and self._gaps == "raise" and not self._gap_at_end_told:
+            self._gap_at_end_told = True
             raise GapError(f"{missing} samples are missing before the end", missing)
 
     @property

@@ -58,9 +58,7 @@ def draw_table(table: Any, quantities: Sequence[str], title: str, axes: Any = No
     names = plain.dtype.names or ()
     columns = {name: plain[name] if plain.dtype[name].kind == "U" else plain[name].astype(float) for name in names}
     sweep = script.Sweep(columns, table.units, table.provenance)
-    for name in quantities:
-        if name not in sweep.quantities:
-            raise ValueError(f"quantities: found {name}, allowed: {', '.join(sweep.quantities)}")
+    sweep.require("quantities", quantities)
     if len(plain) == 0:
         raise ValueError("plot: found no rows, allowed: at least one")
     with matplotlib.rc_context():

@@ -2,18 +2,17 @@
 
 from __future__ import annotations
 
-import os
 import warnings
 from typing import Any
 
 import numpy as np
 
 from . import _native
-from ._arguments import file_name, optional_number, text
+from ._arguments import Path, file_name, optional_number, text
 from ._samples import Floats, Samples
 
 
-def load(path: str | os.PathLike[str], *, sample_rate_hz: float | None = None) -> Recording:
+def load(path: Path, *, sample_rate_hz: float | None = None) -> Recording:
     """Reads a recording, whole: .h5, .csv, .npy, .wav, .sigmf-meta, .sigmf-data, .sigmf-collection, .sigmf.
 
     `sample_rate_hz` is the rate of a file without one, or another one than its own. Warns of samples that are left out.

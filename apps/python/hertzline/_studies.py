@@ -54,14 +54,15 @@ def sweep(
     """
     if (vary is None) == (points is None) or (sobol is not None and vary is None):
         raise ValueError("sweep: give either vary, also with sobol, or points")
-    if sobol is not None and integer("sobol", sobol) < 1:
-        raise ValueError(f"sobol: found {sobol}, allowed: at least 1")
+    count = None if sobol is None else integer("sobol", sobol)
+    if count is not None and count < 1:
+        raise ValueError(f"sobol: found {count}, allowed: at least 1")
     keys = items_of("points", points) if vary is None else items_of("vary", vary)
     found = _native.sweep(
         _scene_of(base)._native,
         None if vary is None else _varied(keys),
         None if points is None else _points(keys),
-        None if sobol is None else integer("sobol", sobol),
+        count,
         names_in("measure", measure),
         names_in("quantities", quantities),
         optional_number("band_from_hz", band_from_hz),
@@ -101,7 +102,8 @@ def optimise(
 
     Raises ValueError with every fault of the request before anything runs.
     """
-    if not 0 <= integer("seed", seed, 2**64 - 1) < 2**64:
+    seed = integer("seed", seed, 2**64 - 1)
+    if seed < 0:
         raise ValueError(f"seed: found {seed}, allowed: 0 to {2**64 - 1}")
     start = _scene_of(base)
     keys = items_of("vary", vary)
@@ -112,7 +114,7 @@ def optimise(
         text("minimise", minimise or ""),
         names_in("subject_to", subject_to),
         integer("evaluations", evaluations),
-        integer("seed", seed, 2**64 - 1),
+        seed,
         names_in("measure", measure),
         optional_number("band_from_hz", band_from_hz),
         threads(jobs),

@@ -116,18 +116,18 @@ struct Selection {
 
 /// @param name of a tap, or of a column that a recording has: "v3_m_per_s" of "v_chain" @throws py::key_error for another
 Selection selection_of(const RunResult& result, const std::string& name) {
+    const auto named = measures::find_tap(name, result.held);
+    if (named) {
+        return {*named, std::nullopt};
+    }
     for (const Tap tap : result.held) {
         const auto columns = recordings::recorded_columns(tap, result.counts);
         const auto column = std::ranges::find(columns, name, &recordings::Column::name);
-        if (column != columns.end() && name != row_of(tap).name) {
+        if (column != columns.end()) {
             return {tap, static_cast<std::size_t>(column - columns.begin())};
         }
     }
-    const auto tap = measures::find_tap(name, result.held);
-    if (!tap) {
-        throw py::key_error(tap.error());
-    }
-    return {*tap, std::nullopt};
+    throw py::key_error(named.error());
 }
 
 /// Returns [sample], or [sample][sphere] or [sample][contact] of a tap of the whole chain.

@@ -40,8 +40,7 @@ std::string metadata_text(const fs::path& path, const RecordingHead& head, const
 
 class CsvWriter final : public CheckedWriter {
 public:
-    CsvWriter(const fs::path& path, const RecordingHead& head)
-        : CheckedWriter(path, head), file_(path), may_change_(head.provenance.contains("changes")) {
+    CsvWriter(const fs::path& path, const RecordingHead& head) : CheckedWriter(path, head), file_(path) {
         if (!file_.is_device()) {
             save_metadata(0);  // fails now rather than at the end
         }
@@ -53,13 +52,13 @@ public:
     }
 
 private:
-    void changed(const Json& /*change*/) override { may_change_ = true; }
+    bool may_change() const { return head().provenance.contains("changes"); }  // the scene, on the way
 
     /// The metadata before them stay until the new ones are written. @param until the sample before which they have all changes; none:
     /// they have all
     void save_metadata(std::optional<std::int64_t> until) {
         Json provenance = head().provenance;
-        if (until && may_change_) {
+        if (until && may_change()) {
             provenance["changes_until_sample"] = *until;
         }
         auto renewed = std::make_unique<OutputFile>(csv_metadata_path(path()), StagedFile::Devices::refused);
@@ -70,7 +69,7 @@ private:
     }
 
     void complete_metadata() {
-        if (metadata_ && may_change_) {
+        if (metadata_ && may_change()) {
             save_metadata(std::nullopt);
         }
     }
@@ -106,7 +105,7 @@ private:
     }
 
     void flush() {
-        if (metadata_ && may_change_ && metadata_are_due()) {
+        if (metadata_ && may_change() && metadata_are_due()) {
             save_metadata(end_);  // first: rows without their change would pass for the scene before
         }
         file_.flush();
@@ -176,7 +175,6 @@ private:
 
     OutputFile file_;
     std::unique_ptr<OutputFile> metadata_;  // null for devices; in the file from the start on
-    bool may_change_;                       // the scene, on the way
     std::chrono::steady_clock::time_point saved_metadata_;
     std::int64_t end_ = 0;  // the sample after those that are appended
     std::string line_;
