@@ -14,6 +14,7 @@
 #include "core/scene/text.hpp"
 #include "hertzline/scene_file.hpp"
 #include "measures/beam.hpp"
+#include "measures/measuring.hpp"
 #include "measures/provenance.hpp"
 #include "measures/record_warnings.hpp"
 
@@ -532,7 +533,11 @@ double Run::operator[](std::string_view name) const {
 }
 
 Json summary_json(const Run& run) {
-    return measures::summary_json(measures::summary_of(run));
+    Json summary = measures::summary_json(measures::summary_of(run));
+    Warnings warnings = measures::scene_warnings(run.resolved);
+    warnings.insert(warnings.end(), run.warnings.begin(), run.warnings.end());
+    summary["warnings"] = std::move(warnings);
+    return summary;
 }
 
 }  // namespace hertzline

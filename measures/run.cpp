@@ -513,7 +513,7 @@ Run run(const Resolution& resolved, const RunOptions& options) {
 }
 
 Run run(const Scene& scene, const RunOptions& options) {
-    return run(resolve(scene, options.stop), options);
+    return run(resolve(scene, scene.output.duration_s, options.stop, options.threads), options);
 }
 
 }  // namespace hertzline

@@ -136,7 +136,7 @@ bool PointRunner::simulate(Candidate& candidate, PointResult& result) {
 
 /// Runs with a step that pilots find. @returns nothing when the scene is refused or the integration fails
 std::optional<PointRunner::Candidate> PointRunner::run_with_pilots(const Scene& scene, PointResult& result) {
-    Resolution resolved = resolve(scene, &stop_);
+    Resolution resolved = resolve(scene, scene.output.duration_s, &stop_);
     if (!resolved.faults.empty()) {
         result.status = PointStatus::refused;
         result.message = fault_text(resolved.faults, "; ");
@@ -185,7 +185,7 @@ void PointRunner::check(std::int64_t point, Resolution& resolved) const {
     if (std::mt19937_64(static_cast<std::uint64_t>(point))() % one_of != 0) {
         return;
     }
-    const Resolution measured = resolve(resolved.scene, &stop_);
+    const Resolution measured = resolve(resolved.scene, resolved.scene.output.duration_s, &stop_);
     if (measured.estimate && measured.estimate->error > resolved.estimate->error) {
         resolved.estimate = measured.estimate;
     }

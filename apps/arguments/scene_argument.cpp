@@ -148,8 +148,8 @@ tl::expected<Resolution, std::vector<Fault>> resolved_scene(const ParsedScene& p
                                  ": choosing the step by short simulations ...");
     const bool endless =
         lasting == Lasting::endless || (lasting == Lasting::as_driven && awaits_samples(parsed.scene.drive));
-    Resolution resolved = endless ? hertzline::resolve(parsed.scene, std::nullopt, nullptr, usable_threads())
-                                  : hertzline::resolve(parsed.scene, nullptr, usable_threads());
+    const auto run_s = endless ? std::nullopt : std::optional(parsed.scene.output.duration_s);
+    Resolution resolved = hertzline::resolve(parsed.scene, run_s, nullptr, usable_threads());
     notice.reset();
     if (!resolved.faults.empty()) {
         for (Fault& fault : resolved.faults) {

@@ -179,15 +179,19 @@ StepAdvice advise_step(const Scene& asked) {
 Resolution resolve(const Scene& given, std::optional<double> run_s, const std::atomic<bool>* stop,
                    std::size_t threads) {
     const Scene asked = with_live_drive(given);
-    if (is_array(asked) && validate(asked).empty()) {
-        return resolve_array(asked, run_s, stop, threads);
-    }
     Resolution result;
     result.run_s = run_s;
     result.scene = asked;
     result.asked = asked.numerics;
     result.faults = validate(asked);
     if (result.faults.empty()) {
+        if (run_s && !(*run_s > 0 && std::isfinite(*run_s))) {
+            throw std::invalid_argument("run_s: found " + number_text(*run_s) +
+                                        ", allowed: a positive number of seconds");
+        }
+        if (is_array(asked)) {
+            return resolve_array(asked, run_s, stop, threads);
+        }
         result.faults = model_faults(asked);
     }
     if (auto fault = awaited_samples_fault(asked.drive); fault && result.faults.empty() && run_s) {
@@ -250,8 +254,8 @@ Resolution resolve(const Scene& given, std::optional<double> run_s, const std::a
     return result;
 }
 
-Resolution resolve(const Scene& scene, const std::atomic<bool>* stop, std::size_t threads) {
-    return resolve(scene, scene.output.duration_s, stop, threads);
+Resolution resolve(const Scene& scene) {
+    return resolve(scene, scene.output.duration_s);
 }
 
 }  // namespace hertzline

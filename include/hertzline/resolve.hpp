@@ -97,12 +97,12 @@ struct Resolution {
     bool may_miss_accuracy() const noexcept { return !misses_accuracy() && estimate_ends_early(); }
 };
 
-/// @param run_s how long the run is over which the error is estimated [s]; none: as long as the pilots watch
+/// @param run_s how long the run is over which the error is estimated [s]; unset: as long as the pilots watch
 /// @param stop ends the estimate of a long run within a few steps: it then ends early
-/// @param threads as of SimulationOptions. @throws std::bad_alloc
+/// @param threads as of SimulationOptions. @throws std::bad_alloc @throws std::invalid_argument where run_s is not a positive number
 Resolution resolve(const Scene& scene, std::optional<double> run_s, const std::atomic<bool>* stop = nullptr,
                    std::size_t threads = 1);
 /// Over output.duration_s.
-Resolution resolve(const Scene& scene, const std::atomic<bool>* stop = nullptr, std::size_t threads = 1);
+Resolution resolve(const Scene& scene);
 
 }  // namespace hertzline

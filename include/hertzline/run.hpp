@@ -88,7 +88,7 @@ struct Run {
     std::optional<double> ringing_ratio;  ///< ringing_ratio()
     std::optional<double>
         rung_down_s;    ///< a duration at whose end v_out no longer rings, where it rings at the run's end
-    Warnings warnings;  ///< warnings of the result; scene_warnings() has those of the scene
+    Warnings warnings;  ///< warnings of the result; summary_json() has those of the scene, too
 
     Json recordings;  ///< the written files; null: none
 

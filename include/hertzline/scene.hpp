@@ -196,15 +196,15 @@ struct Fault {
 /// The messages of the faults, one after another.
 std::string fault_text(std::span<const Fault> faults, std::string_view separator = "\n");
 
-/// Every fault of the scene's values at once; empty when it can be simulated. Does not know of steps beyond
-/// the stability limit: that needs the dynamics, see hertzline/resolve.hpp.
+/// Every fault of the scene's values at once. resolve() (hertzline/resolve.hpp) then finds those that need the model: a drive without
+/// its record, spheres that a taper makes too small, a step beyond the stability limit.
 std::vector<Fault> validate(const Scene& scene);
 
 /// A valid scene that leaves nothing open: integrator and step are set, by the user or by resolve().
 class ResolvedScene {
 public:
-    /// Implicit: a scene with both is one. @param scene has passed validate(), as that of a Resolution without faults; for others the
-    /// behaviour of a simulation is undefined @throws std::invalid_argument where one of them is open
+    /// Implicit: a scene with both is one. @param scene that of a Resolution without faults; for others the behaviour of a simulation is
+    /// undefined @throws std::invalid_argument where one of them is open
     ResolvedScene(Scene scene);
 
     const Scene& scene() const noexcept { return scene_; }

@@ -110,7 +110,8 @@ public:
     static bool can_hand_over(const ResolvedScene& scene) noexcept;
     /// The first sample at which end_at() can let it end: the motion has not gone further.
     std::int64_t first_open_sample() const noexcept;
-    /// The motion will end at this sample, which belongs to the simulation that follows. @param sample first_open_sample() or later
+    /// The motion will end at this sample, which belongs to the simulation that follows: advance() gives those before it, and must not be
+    /// asked for more. @param sample first_open_sample() or later
     void end_at(std::int64_t sample) noexcept;
     /// Begins at sample `first`, where `before` ends, with its motion and account of energy. Allocates nothing.
     /// @param before can_hand_over(); has the same taps; its scene differs in drive and step only; has given all samples before `first`

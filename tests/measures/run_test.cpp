@@ -22,6 +22,7 @@ namespace hertzline::test {
 namespace {
 
 using testing::AllOf;
+using testing::Contains;
 using testing::HasSubstr;
 
 TEST(Run, OfASceneIsThatOfItsResolution) {
@@ -30,6 +31,16 @@ TEST(Run, OfASceneIsThatOfItsResolution) {
     EXPECT_EQ(of_scene["peak_v_out_m_per_s"], run(resolve(scene))["peak_v_out_m_per_s"]);
     EXPECT_EQ(summary_json(of_scene)["peak_v_out_m_per_s"], of_scene["peak_v_out_m_per_s"]);
     EXPECT_THROW(of_scene["peak"], std::out_of_range);
+}
+
+TEST(Run, TheSummaryHasTheWarningsOfSceneAndResult) {
+    Scene scene;
+    scene.drive.taper = 0.3;  // without effect
+    scene.output.duration_s = 100e-6;
+    hertzline::Run done = run(scene);
+    done.warnings = {"of the result"};
+    EXPECT_THAT(summary_json(done)["warnings"].get<Warnings>(),
+                AllOf(Contains(HasSubstr("drive.taper")), Contains("of the result")));
 }
 
 TEST(Run, OfASceneWithFaultsThrowsAllOfThem) {

@@ -48,8 +48,8 @@ TEST(Stop, AFlagEndsItAmidASample) {
 
 TEST(Stop, PilotsEndAndShowNothing) {
     const std::atomic<bool> stop{true};
-    EXPECT_FALSE(resolve(Scene{}, &stop).estimate.has_value());
-    EXPECT_TRUE(resolve(Scene{}, nullptr).estimate.has_value());
+    EXPECT_FALSE(resolve(Scene{}, Scene{}.output.duration_s, &stop).estimate.has_value());
+    EXPECT_TRUE(resolve(Scene{}).estimate.has_value());
 }
 
 TEST(Stop, AnEstimateOfARunEndsWhateverTheRunIs) {

@@ -206,6 +206,15 @@ TEST(Advice, MeetsATenBillionthWithALawOfDampingWhosePowerIsBelowOne) {
     EXPECT_GT(given.estimate->error, error / 3);
 }
 
+TEST(Resolve, RefusesARunThatLastsNoTime) {
+    for (const double run_s : {0.0, -1.0, std::nan(""), HUGE_VAL}) {
+        EXPECT_THROW(static_cast<void>(resolve(Scene{}, run_s)), std::invalid_argument) << run_s;
+    }
+    Scene scene;
+    scene.output.duration_s = -1;
+    EXPECT_THAT(fault_text(resolve(scene).faults), HasSubstr("output.duration_s: found -1"));
+}
+
 TEST(Advice, DependsOnNothingThatDoesNotChangeTheMotion) {
     const StepAdvice advice = advise_step(Scene{});
     Scene scene;
