@@ -115,36 +115,37 @@ const std::array table{
              "fallen as far at both ends, or the points are no such line in its order",
              [](R run) { return or_null(spot_width_m(run)); }, has_points},
     Quantity{G::result, "side_lobe_db", "dB", K::number, C::modal,
-             "the largest peak pressure along that line beyond the first minima on both sides, over that of the spot; null where there is no "
-             "minimum or no such line",
+             "the largest peak pressure along that line beyond the first minimum on each side, over that of the spot; null where neither "
+             "side has a minimum, and without such a line",
              [](R run) { return or_null(side_lobe_db(run)); }, has_points},
     Quantity{G::result, "focal_gain", "", K::number, C::modal,
              "peak pressure at the first point over that of the array's middle element alone; null without an array",
              [](R run) { return run.alone_p_pa && *run.alone_p_pa > 0 ? Json(run.peaks_p_points.front() / *run.alone_p_pa) : Json(nullptr); },
              has_points},
     Quantity{G::result, "burst_shown_ratio", "", K::number, C::among,
-             "the part of the burst that lies within the run: 1 when the run is at least as long",
+             "the part of the first burst that lies within the run: 1 when the run holds it; 1 without a horn, too",
              [](R run) { return Json(burst_shown_ratio(run.resolved.scene)); }},
     Quantity{G::result, "ringing_ratio", "", K::number, C::among,
-             "largest value of `v_out` in the last period of the drive, over its peak: above 0.01 there is a warning; null where bursts "
-             "repeat, and where the run ends less than two periods after the burst",
+             "largest value of `v_out` in the last period of the drive, over its peak: above 0.01 there is a warning; null of silence, "
+             "where bursts repeat, and where the run ends less than two periods after the burst, or without a horn has less than two",
              [](R run) { return or_null(run.ringing_ratio); }},
 
     Quantity{G::spectrum, "fundamental_hz", "Hz", K::number, C::among,
              "f",
              [](Sp s) { return Json(s.fundamental_hz); }},
     Quantity{G::spectrum, "harmonics_db", "dB", K::harmonics, C::among,
-             "V_1 to V_10 under the largest of them; fewer if the sample rate ends before; null of silence, and for f above half the "
+             "V_1 to V_10 under the largest of them; fewer if half the sample rate ends before; null of silence, and for f above half the "
              "sample rate",
              [](Sp s) { return or_null(s.harmonics_db); }},
     Quantity{G::spectrum, "subharmonic_db", "dB", K::number, C::among,
              "the line at f/2 under the largest harmonic; null as `harmonics_db`",
              [](Sp s) { return or_null(s.subharmonic_db); }},
     Quantity{G::spectrum, "thd_r", "", K::number, C::among,
-             "sqrt(V_2² + ... + V_10²) / sqrt(V_1² + ... + V_10²), between 0 and 1; null as `harmonics_db`",
+             "sqrt(V_2² + ... + V_10²) / sqrt(V_1² + ... + V_10²), between 0 and 1, of those that are there; null as `harmonics_db`, and "
+             "where V_1 alone is there",
              [](Sp s) { return or_null(s.thd_r); }},
     Quantity{G::spectrum, "thd_f", "", K::number, C::among,
-             "sqrt(V_2² + ... + V_10²) / V_1, 0 or more; the other usual definition; null as `harmonics_db`, and for V_1 = 0",
+             "sqrt(V_2² + ... + V_10²) / V_1, 0 or more; the other usual definition; null as `thd_r`, and for V_1 = 0",
              [](Sp s) { return or_null(s.thd_f); }},
     Quantity{G::spectrum, "band_from_hz", "Hz", K::number, C::among,
              "lower edge of the search for bands: f/2, or `--band-from`",
@@ -154,7 +155,8 @@ const std::array table{
              "sample rate",
              [](Sp s) { return or_null(s.strongest_hz); }},
     Quantity{G::spectrum, "dc_db", "dB", K::number, C::among,
-             "level at 0 Hz under that maximum; null as `strongest_hz`",
+             "level at 0 Hz under that maximum, both of the Fourier sum: 6 dB above that of `--spectrum`, whose line at 0 Hz is the mean; "
+             "null as `strongest_hz`",
              [](Sp s) { return or_null(s.dc_db); }},
     Quantity{G::spectrum, "below_db", "dB", K::number, C::among,
              "largest level below `band_from_hz`, 0 Hz included, under that maximum; null as `strongest_hz`",
@@ -206,14 +208,14 @@ const std::array table{
              "largest pressure at the centre of any contact, by Hertz's law: 3 k sqrt(δ) / (2π R), with R/2 between two spheres",
              [](R run) { return Json(run.load.pressure_pa); }},
     Quantity{G::contacts, "static_contact_pressure_pa", "Pa", K::number, C::among,
-             "the same of the preload alone",
+             "the same at rest, by the preload and the spheres' weight",
              [](R run) { return Json(run.static_pressure_pa); }},
     Quantity{G::contacts, "peak_strength_ratio", "", K::number, C::among,
-             "largest ratio of a contact's pressure to the strength of its weaker material (`hertzline materials`); above 1 the model is too elastic, and "
-             "`run` warns; null where no strength is known",
+             "largest ratio of a contact's pressure to the strength of its weaker material (`hertzline materials`), or of the one whose "
+             "strength is known; above 1 the model is too elastic, and `run` warns; null where no strength is known",
              [](R run) { return or_null(run.strength_ratio); }},
     Quantity{G::contacts, "peak_overlap_ratio", "", K::number, C::among,
-             "largest overlap over a sphere's radius; Hertz's law is for less than 0.05, and `run` warns beyond",
+             "largest overlap over the radius of the contact's smaller sphere; Hertz's law is for less than 0.05, and `run` warns beyond",
              [](R run) { return Json(run.load.overlap_ratio); }},
     Quantity{G::contacts, "contact_events", "", K::count, C::among,
              "openings and closings of all contacts; with `chain.tension = \"clamped\"` also contacts that let go and push again while "
@@ -280,7 +282,8 @@ const std::array table{
              "of a modal plate's response (`numerics.poles`); only with such a plate",
              [](R run) { return Json(*run.scene().numerics.poles); }, has_poles},
     Quantity{G::run, "elements", "", K::count, C::none,
-             "chains of the array, whose `v_out` and `v_last` are those of the middle one; only of arrays",
+             "chains of the array, whose `v_out` and `v_last` are those of the middle one, the first of those nearest the mean of their places; only of "
+             "arrays",
              [](R run) { return Json(run.scene().array.x_m.size()); }, is_array_of_several},
     Quantity{G::run, "steps", "", K::count, C::last,
              "steps or pieces taken",

@@ -84,9 +84,36 @@ std::optional<std::string> peaks_missed(const Scene& scene) {
         fastest_hz, rounded_up(fewest * fastest_hz));
 }
 
-/// @returns whether a horn's first burst is not over at the end of the run
-bool ends_within_burst(const Scene& scene) {
-    return scene.drive.kind != DriveKind::none && scene.output.duration_s < first_burst_end_s(scene);
+/// A burst of the horn that is not over at the end of the run.
+struct CutBurst {
+    bool first = false;
+    double end_s = 0;
+    double enough_s = 0;  ///< a duration that cuts none
+};
+
+std::optional<CutBurst> cut_burst(const Scene& scene) {
+    constexpr double to_ring_down = 1.5;
+    constexpr double no_pause = 0.999;  // a burst's part of the period
+    if (scene.drive.kind == DriveKind::none) {
+        return std::nullopt;
+    }
+    const double duration_s = scene.output.duration_s;
+    const double begin_s = scene.drive.start_s + std::ranges::min(element_delays_s(scene));
+    const double end_s = first_burst_end_s(scene);
+    const bool repeats = scene.drive.repetition_hz > 0;
+    const double period_s = 1 / scene.drive.repetition_hz;
+    if (duration_s < end_s) {
+        return CutBurst{true, end_s, repeats ? begin_s + period_s : rounded_up(to_ring_down * end_s)};
+    }
+    if (!repeats || end_s - begin_s > no_pause * period_s) {
+        return std::nullopt;
+    }
+    const double periods_before_s = std::floor((duration_s - begin_s) / period_s) * period_s;
+    const double begun_s = duration_s - periods_before_s - begin_s;
+    const bool cut = begun_s > 1 / scene.drive.frequency_hz && begun_s < (1 - 1e-9) * (end_s - begin_s);
+    return cut ? std::optional(
+                     CutBurst{false, periods_before_s + end_s, begin_s + periods_before_s + period_s})
+               : std::nullopt;
 }
 
 }  // namespace
@@ -96,12 +123,14 @@ std::vector<std::string> run_warnings(const Scene& scene) {
     if (velocity_given(scene) == 0) {
         return warnings;
     }
-    if (ends_within_burst(scene)) {
-        const double burst_end_s = first_burst_end_s(scene);
-        warnings.push_back(
-            fmt::format("the run ends at {:g} s, within the burst of {:g} s: peaks and spectrum are those of "
-                        "its beginning; {} would hold the burst",
-                        scene.output.duration_s, burst_end_s, duration_setting(1.5 * burst_end_s)));
+    if (const auto cut = cut_burst(scene)) {
+        warnings.push_back(fmt::format(
+            "the run ends at {:g} s, within {} burst, which ends at {:g} s: {}; output.duration_s={:.4g} "
+            "would "
+            "hold {}",
+            scene.output.duration_s, cut->first ? "the" : "a", cut->end_s,
+            cut->first ? "peaks and spectrum are those of its beginning" : "the spectrum has a part of it",
+            cut->enough_s, cut->first ? "the burst" : "whole bursts"));
     }
     if (const auto found = scene.drive.kind == DriveKind::none ? peaks_missed(scene) : cut_off(scene)) {
         warnings.push_back(*found);
@@ -128,13 +157,20 @@ std::optional<double> ringing_ratio(const Scene& scene, std::span<const double> 
 }
 
 std::vector<std::string> band_warnings(std::string_view output, const SpectrumSummary& spectrum) {
+    if (!spectrum.strongest_hz && !spectrum.harmonics_db.empty()) {
+        return {
+            fmt::format("bands of {} are not there: they are looked for from {:g} Hz on (--band-from), "
+                        "above half the sample rate",
+                        output, spectrum.lowest_hz)};
+    }
     if (spectrum.below_db && *spectrum.below_db > 0) {
         return {fmt::format(
             "{} is {:.1f} dB stronger below {:g} Hz than anywhere above (below_db): its bands, harmonics and "
             "distortion leave that out",
             output, *spectrum.below_db, spectrum.lowest_hz)};
     }
-    if (spectrum.band_20db && spectrum.band_20db->low_hz <= spectrum.lowest_hz * (1 + 1e-12)) {
+    if (spectrum.lowest_hz > 0 && spectrum.band_20db &&
+        spectrum.band_20db->low_hz <= spectrum.lowest_hz * (1 + 1e-12)) {
         return {
             fmt::format("the -20 dB band of {} begins at {:g} Hz, from where on it is looked for: it goes on "
                         "below, where "
@@ -156,12 +192,17 @@ std::size_t period_samples(const Scene& scene) noexcept {
 std::vector<std::string> record_warnings(const Scene& scene, std::span<const double> v_out,
                                          std::optional<double> rung_down_s) {
     std::vector<std::string> warnings = run_warnings(scene);
-    const double given = velocity_given(scene);
-    if (given == 0 || ends_within_burst(scene)) {
+    const double given =
+        velocity_given(is_array(scene) ? element_scene(scene, middle_element(scene)) : scene);
+    if (const auto cut = cut_burst(scene); given == 0 || (cut && cut->first)) {
         return warnings;
     }
     std::optional<std::string> found;
-    if (peak_of(v_out) < silence * given) {
+    if (v_out.size() < 2 * period_samples(scene)) {
+        found =
+            "the run has less than two periods of drive.frequency_hz, too few to tell its harmonics apart; a "
+            "longer output.duration_s, or a higher output.sample_rate_hz, shows them";
+    } else if (peak_of(v_out) < silence * given) {
         found =
             "v_out is silent: the wave does not reach the end of the chain within the run "
             "(output.duration_s), or does not pass the chain";
@@ -177,7 +218,7 @@ std::vector<std::string> record_warnings(const Scene& scene, std::span<const dou
 std::vector<std::string> switching_warnings(std::span<const double> switching_db) {
     std::vector<std::size_t> lines;
     for (std::size_t k = 0; k < switching_db.size(); ++k) {
-        if (switching_db[k] >= switching_limit_db) {
+        if (std::abs(switching_db[k]) >= switching_limit_db) {
             lines.push_back(k + 1);
         }
     }
@@ -185,11 +226,10 @@ std::vector<std::string> switching_warnings(std::span<const double> switching_db
         return {};
     }
     const bool several = lines.size() > 1;
-    return {
-        fmt::format("harmonic{} {} of v_out come{} by half or more from the jumps of its formula when the "
-                    "last contact opens or "
-                    "closes, not from a motion (switching_db)",
-                    several ? "s" : "", fmt::join(lines, ", "), several ? "" : "s")};
+    return {fmt::format(
+        "harmonic{} {} of v_out {} changed by a factor of two or more by the jumps of its formula "
+        "when the last contact opens or closes, which no body does (switching_db)",
+        several ? "s" : "", fmt::join(lines, ", "), several ? "are" : "is")};
 }
 
 }  // namespace hertzline::measures

@@ -14,14 +14,14 @@ namespace hertzline::measures {
 
 /// A record rings when its last period of the drive still reaches this share of its peak.
 inline constexpr double ringing_share = 0.01;
-/// A line belongs to the switching of v_out when it is this much lower without [dB]: half of its amplitude.
+/// A line belongs to the switching of v_out when it is this much lower or higher without [dB]: half of its amplitude, or twice.
 inline constexpr double switching_limit_db = 6;
 
-/// Warnings of a run whose length and sample rate cannot show the drive, whatever comes out: it ends within the burst, or has harmonics above
+/// Warnings of a run whose length and sample rate cannot show the drive, whatever comes out: it ends within a burst, or has harmonics above
 /// half its rate.
 std::vector<std::string> run_warnings(const Scene& scene);
 
-/// The part of the burst that lies within the run: 1 where all of it does.
+/// The part of the first burst that lies within the run: 1 where all of it does.
 double burst_shown_ratio(const Scene& scene);
 
 /// Returns the largest v_out in the record's last period of the drive, over its peak. Nothing where bursts repeat,
@@ -41,11 +41,11 @@ double next_duration(double seconds) noexcept;
 std::vector<std::string> record_warnings(const Scene& scene, std::span<const double> v_out,
                                          std::optional<double> rung_down_s = {});
 
-/// Returns warnings of strong lines below the lower edge of the search for bands and harmonics. Empty: none.
+/// Returns warnings of a search for bands whose lower edge is above half the sample rate, or has strong lines below it. Empty: none.
 std::vector<std::string> band_warnings(std::string_view output, const SpectrumSummary& spectrum);
 
-/// Returns a warning of harmonics of v_out that exist because the paper's formula jumps when the last contact opens or closes.
-/// Empty: none. @param switching_db level of each with the jumps over that without
+/// Returns a warning of harmonics of v_out that are twice or half as large because the paper's formula jumps when the last contact opens or
+/// closes. Empty: none. @param switching_db level of each with the jumps over that without
 std::vector<std::string> switching_warnings(std::span<const double> switching_db);
 
 }  // namespace hertzline::measures

@@ -112,6 +112,7 @@ void add_contacts(Report& report, const Scene& scene, const Chain& chain,
                           std::string(kind.name) + "_contact_static_overlap_m", "m",
                           if_any(kind.exists, chain.static_overlap[kind.contact])});
     }
+    const ContactLoad at_rest = contact_load(chain, chain.static_overlap);
     const JudgedContacts judged = judge_contacts(scene, chain, peaks ? *peaks : chain.static_overlap);
     for (std::size_t i = 0; i < kinds.size(); ++i) {
         const Kind& kind = kinds[i];
@@ -121,7 +122,7 @@ void add_contacts(Report& report, const Scene& scene, const Chain& chain,
             report.push_back({"contacts", fmt::format("{}, {}", kind.label, label),
                               fmt::format("{}_contact_{}", kind.name, name), "Pa", std::move(value)});
         };
-        add("pressure at rest", "static_pressure_pa", if_any(kind.exists, contact.at_rest_pa));
+        add("pressure at rest", "static_pressure_pa", if_any(kind.exists, at_rest.pressures_pa[i]));
         add("peak pressure", "peak_pressure_pa", if_any(kind.exists && peaks, contact.pressure_pa));
         add("its limit", "pressure_limit_pa", if_any(kind.exists && limit, limit ? limit->pressure_pa : 0));
     }
@@ -240,7 +241,9 @@ void add_live_drive(Report& report, const Scene& scene) {
 
 void add_time_scales(Report& report, const Scene& scene, const Chain& chain,
                      const std::optional<Eigen::ArrayXd>& peaks) {
-    report.push_back({"time", "duration of a burst", "burst_duration_s", "s", burst_duration_s(scene.drive)});
+    const bool horn = scene.drive.kind != DriveKind::none;
+    report.push_back({"time", "duration of a burst", "burst_duration_s", "s",
+                      if_any(horn, horn ? burst_duration_s(scene.drive) : 0)});
     report.push_back({"time", "fastest mode at rest", "fastest_static_hz", "Hz",
                       fastest_frequency(chain, chain.static_overlap) / two_pi});
     report.push_back({"time", "fastest mode in motion", "fastest_dynamic_hz", "Hz",

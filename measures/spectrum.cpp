@@ -288,13 +288,21 @@ void SpectrumAnalyser::add_bands(SpectrumSummary& summary) const {
     summary.band_20db = band_above(maximum * std::pow(10.0, -20.0 / 20), summary.lowest_hz);
 }
 
+std::size_t SpectrumAnalyser::harmonics_below_nyquist(double fundamental_hz) const noexcept {
+    const double nyquist = bin_hz_ * static_cast<double>(last_bin_);
+    std::size_t count = 0;
+    while (count < max_harmonics && static_cast<double>(count + 1) * fundamental_hz <= nyquist) {
+        ++count;
+    }
+    return count;
+}
+
 /// @param amplitude that of a line of magnitude 1
 void SpectrumAnalyser::add_harmonics(SpectrumSummary& summary, double amplitude) const {
     const double fundamental = summary.fundamental_hz;
-    const double nyquist = bin_hz_ * static_cast<double>(last_bin_);
-    std::vector<double> lines;
-    for (std::size_t k = 1; k <= max_harmonics && static_cast<double>(k) * fundamental <= nyquist; ++k) {
-        lines.push_back(line(static_cast<double>(k) * fundamental, neighbourhood * fundamental));
+    std::vector<double> lines(harmonics_below_nyquist(fundamental));
+    for (std::size_t k = 1; k <= lines.size(); ++k) {
+        lines[k - 1] = line(static_cast<double>(k) * fundamental, neighbourhood * fundamental);
     }
     const double largest = lines.empty() ? 0.0 : std::ranges::max(lines);
     if (!(largest > 0)) {
@@ -306,10 +314,12 @@ void SpectrumAnalyser::add_harmonics(SpectrumSummary& summary, double amplitude)
         summary.harmonics_db.push_back(decibels(magnitude / largest));
         power += magnitude * magnitude;
     }
-    const double overtones = std::max(power - lines.front() * lines.front(), 0.0);
-    summary.thd_r = std::sqrt(overtones / power);
-    if (lines.front() > 0) {
-        summary.thd_f = std::sqrt(overtones) / lines.front();
+    if (lines.size() > 1) {
+        const double overtones = std::max(power - lines.front() * lines.front(), 0.0);
+        summary.thd_r = std::sqrt(overtones / power);
+        if (lines.front() > 0) {
+            summary.thd_f = std::sqrt(overtones) / lines.front();
+        }
     }
     summary.subharmonic_db = decibels(line(fundamental / 2, neighbourhood * fundamental) / largest);
 }
@@ -320,6 +330,8 @@ std::vector<double> SpectrumAnalyser::harmonics(std::span<const double> record, 
     summary.fundamental_hz = fundamental_hz;
     if (transform(record)) {
         add_harmonics(summary, amplitude_of_a_line(record.size()));
+    } else if (peak_of(record) == 0) {
+        summary.harmonics.assign(harmonics_below_nyquist(fundamental_hz), 0.0);
     }
     return std::move(summary.harmonics);
 }

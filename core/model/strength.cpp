@@ -25,19 +25,31 @@ std::optional<PressureLimit> lower(std::optional<PressureLimit> a, std::optional
     return b->pressure_pa < a->pressure_pa ? b : a;
 }
 
-/// The limits of a scene's contacts, that of the weaker material each.
+/// The limit of a contact: that of its weaker material, as far as strengths are known.
+struct ContactLimit {
+    std::optional<PressureLimit> lower;
+    std::vector<std::string> unknown;  ///< its materials without a strength
+};
+
+/// The limits of a scene's contacts.
 class ContactLimits {
 public:
     explicit ContactLimits(const Scene& scene) : scene_(scene), row_(scene) {
         for (const std::size_t kind : {0U, 1U, 2U}) {
             for (const Eigen::Index contact : distinct(kind)) {
-                const auto [left, right] = materials(contact);
-                limits_[kind].push_back(lower(limit_of(left), limit_of(right)));
+                ContactLimit& limit = limits_[kind].emplace_back();
+                for (const std::string& name : materials(contact)) {
+                    const auto of_material = pressure_limit(solid_of(scene_, name), name);
+                    if (!of_material) {
+                        limit.unknown.push_back(name);
+                    }
+                    limit.lower = lower(limit.lower, of_material);
+                }
             }
         }
     }
 
-    const std::optional<PressureLimit>& of(Eigen::Index contact) const noexcept {
+    const ContactLimit& of(Eigen::Index contact) const noexcept {
         const std::size_t kind = kind_of_contact(contact, row_.size());
         const auto& limits = limits_[kind];
         return limits[static_cast<std::size_t>(kind == 1 ? contact - 1 : 0) % limits.size()];
@@ -66,13 +78,9 @@ public:
     }
 
 private:
-    std::optional<PressureLimit> limit_of(const std::string& name) const {
-        return pressure_limit(solid_of(scene_, name), name);
-    }
-
     const Scene& scene_;
     SphereRow row_;
-    std::array<std::vector<std::optional<PressureLimit>>, contact_kinds> limits_;
+    std::array<std::vector<ContactLimit>, contact_kinds> limits_;
 };
 
 /// In MPa, two digits at least.
@@ -124,15 +132,15 @@ JudgedContacts judge_contacts(const Scene& scene, const Chain& chain, const Eige
             continue;  // nothing to touch
         }
         const std::size_t kind = kind_of_contact(c, chain.spheres());
-        const auto& limit = limits.of(c);
-        const double pressure = contact_pressure(stiffness, overlaps[c], curvature_radius(chain, c));
+        const auto& limit = limits.of(c).lower;
+        const double radius = curvature_radius(chain, c);
+        const double pressure = contact_pressure(stiffness, overlaps[c], radius);
         JudgedContact& found = worst[kind];
         const double ratio = limit ? pressure / limit->pressure_pa : 0;
         const bool nearer = ratio > worst_ratio[kind] || (limit && !found.limit);
         if (nearer || (!found.limit && pressure > found.pressure_pa)) {
             worst_ratio[kind] = ratio;
-            found = {contact_pressure(stiffness, chain.static_overlap[c], curvature_radius(chain, c)),
-                     pressure, limit};
+            found = {contact_pressure(stiffness, chain.static_overlap[c], radius), pressure, limit};
         }
     }
     return worst;
@@ -153,28 +161,42 @@ std::optional<std::string> unjudged_contacts(const Scene& scene) {
     const auto exists = existing_contacts(scene);
     std::vector<std::string> materials;
     std::string unjudged;
+    std::string half_judged;
+    const auto add_to = [](std::string& list, std::string_view name) {
+        list += (list.empty() ? "the contacts " : ", ") + std::string(name);
+    };
     for (std::size_t kind = 0; kind < kind_names.size(); ++kind) {
-        bool known = true;
+        bool none_known = false;
+        bool one_known = false;
         for (const Eigen::Index contact : limits.distinct(kind)) {
-            if (!exists[kind] || limits.of(contact)) {
+            const ContactLimit& limit = limits.of(contact);
+            if (!exists[kind] || limit.unknown.empty()) {
                 continue;
             }
-            known = false;
-            for (const std::string& name : limits.materials(contact)) {
+            (limit.lower ? one_known : none_known) = true;
+            for (const std::string& name : limit.unknown) {
                 if (std::ranges::find(materials, name) == materials.end()) {
                     materials.push_back(name);
                 }
             }
         }
-        if (!known) {
-            unjudged += (unjudged.empty() ? "" : ", ") + std::string(kind_names[kind]);
+        if (none_known) {
+            add_to(unjudged, kind_names[kind]);
+        } else if (one_known) {
+            add_to(half_judged, kind_names[kind]);
         }
     }
-    if (unjudged.empty()) {
+    if (materials.empty()) {
         return std::nullopt;
     }
-    return "the strength of " + enumeration(materials) + " is not known: the contacts " + unjudged +
-           " are not judged by it";
+    if (!unjudged.empty()) {
+        unjudged += " are not judged by strength";
+    }
+    if (!half_judged.empty()) {
+        half_judged += " are judged by their other material alone";
+    }
+    return "the strength of " + enumeration(materials) + " is not known: " + unjudged +
+           (unjudged.empty() || half_judged.empty() ? "" : ", ") + half_judged;
 }
 
 std::optional<std::string> strength_warning(const JudgedContacts& contacts) {

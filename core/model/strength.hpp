@@ -29,7 +29,7 @@ std::optional<PressureLimit> pressure_limit(const Solid& solid, const std::strin
 /// Which kinds of contact a scene has, in the order of ContactLoad::pressures_pa.
 std::array<bool, contact_kinds> existing_contacts(const Scene& scene) noexcept;
 
-/// A contact and the limit of its weaker material; none where no strength is known.
+/// A contact and the limit of its weaker material, as far as strengths are known.
 struct JudgedContact {
     double at_rest_pa = 0;
     double pressure_pa = 0;
@@ -44,7 +44,7 @@ JudgedContacts judge_contacts(const Scene& scene, const Chain& chain, const Eige
 /// The largest ratio of a pressure to its limit; none where no limit is known.
 std::optional<double> strength_ratio(const JudgedContacts& contacts);
 
-/// One sentence that names the contacts of which no strength is known, and their materials; none where each has one.
+/// One sentence that names the materials whose strength is not known, and the contacts that are not judged by it; none where each is known.
 std::optional<std::string> unjudged_contacts(const Scene& scene);
 
 /// One sentence that names each contact whose pressure is beyond its limit, with figures; none where all are within.

@@ -39,8 +39,9 @@ struct SpectrumSummary {
         harmonics;  ///< amplitudes V_k at k = 1, 2, ... up to ten or Nyquist, as in MagnitudeSpectrum
     std::vector<double> harmonics_db;      ///< the same [dB] under the largest of them
     std::optional<double> subharmonic_db;  ///< at f/2; [dB] under the largest harmonic
-    std::optional<double> thd_r;  ///< sqrt(sum_{k>=2} V_k^2) / sqrt(sum_{k>=1} V_k^2), over the same ten
-    std::optional<double> thd_f;  ///< sqrt(sum_{k>=2} V_k^2) / V_1; absent where V_1 is 0
+    /// sqrt(sum_{k>=2} V_k^2) / sqrt(sum_{k>=1} V_k^2), over the same; absent where there is one alone
+    std::optional<double> thd_r;
+    std::optional<double> thd_f;  ///< sqrt(sum_{k>=2} V_k^2) / V_1; absent where V_1 is 0, and as thd_r
     std::optional<double> strongest_hz;  ///< where the spectrum has its maximum from lowest_hz upward
     std::optional<double> dc_db;         ///< at 0 Hz; [dB] under that maximum
     std::optional<double>
@@ -88,7 +89,7 @@ public:
     SpectrumSummary analyse(std::span<const double> record, double fundamental_hz,
                             std::optional<double> lowest_hz = std::nullopt);
 
-    /// The summary's harmonics alone. @throws as analyse() does.
+    /// The summary's harmonics alone; zeros of a silent record. @throws as analyse() does.
     std::vector<double> harmonics(std::span<const double> record, double fundamental_hz);
 
     /// The spectrum itself: 2/n |sum v exp(-i omega t)|, and half of that at 0 Hz. A silent record gives
@@ -100,6 +101,7 @@ private:
     double amplitude_of_a_line(std::size_t samples) const noexcept {
         return scale_ * (2 / static_cast<double>(samples));
     }
+    std::size_t harmonics_below_nyquist(double fundamental_hz) const noexcept;
     void add_harmonics(SpectrumSummary& summary, double amplitude) const;
     void add_bands(SpectrumSummary& summary) const;
     void take_powers() noexcept;

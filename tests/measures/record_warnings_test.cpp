@@ -55,7 +55,7 @@ TEST(RecordWarnings, TheLastElementOfAnArrayHasItsBurstWithinTheRun) {
     scene.array.x_m = {0, 0.02};
     scene.array.y_m = {0, 0};
     scene.array.delays_s = {0, 1e-3};
-    EXPECT_THAT(run_warnings(scene), ElementsAre(HasSubstr("within the burst of 0.0011 s")));
+    EXPECT_THAT(run_warnings(scene), ElementsAre(HasSubstr("within the burst, which ends at 0.0011 s")));
     EXPECT_LT(burst_shown_ratio(scene), 1);
     scene.array.delays_s = {0, 1e-4};
     EXPECT_THAT(run_warnings(scene), IsEmpty());
@@ -120,6 +120,13 @@ TEST(BandWarnings, TellOfWhatLiesBelow) {
     EXPECT_THAT(band_warnings("p_axis", spectrum),
                 ElementsAre(HasSubstr("p_axis is 25.3 dB stronger below 36500 Hz than anywhere above")));
     EXPECT_THAT(band_warnings("v_out", {}), IsEmpty());
+    spectrum.below_db = -300;
+    spectrum.lowest_hz = spectrum.band_20db->low_hz = 0;
+    EXPECT_THAT(band_warnings("v_out", spectrum), IsEmpty());
+    spectrum = {};
+    spectrum.lowest_hz = 1e8;
+    spectrum.harmonics_db = {0, -3};
+    EXPECT_THAT(band_warnings("v_out", spectrum), ElementsAre(HasSubstr("above half the sample rate")));
 }
 
 TEST(RecordWarnings, RingingThatDoesNotFallHasNoDuration) {
@@ -132,11 +139,29 @@ TEST(RecordWarnings, BurstsThatRepeatAreNotJudgedByTheirEnd) {
     EXPECT_THAT(record_warnings(scene, ringing_record(scene, 200e-6, 500e-6)), IsEmpty());
 }
 
+TEST(RecordWarnings, ARunThatCutsALaterBurstIsTold) {
+    Scene scene = short_burst();
+    scene.drive.repetition_hz = 1000;
+    scene.output.duration_s = 1.05e-3;
+    EXPECT_THAT(run_warnings(scene),
+                ElementsAre(testing::AllOf(HasSubstr("within a burst, which ends at 0.0011 s"),
+                                           HasSubstr("output.duration_s=0.002 would hold whole bursts"))));
+    for (const double duration_s : {1e-3, 1.1e-3, 2e-3}) {
+        scene.output.duration_s = duration_s;
+        EXPECT_THAT(run_warnings(scene), IsEmpty()) << duration_s;
+    }
+    scene.output.duration_s = 50e-6;
+    EXPECT_THAT(run_warnings(scene), ElementsAre(HasSubstr("output.duration_s=0.001 would hold the burst")));
+    scene.drive.repetition_hz = 1 / 100e-6;  // without a pause
+    scene.output.duration_s = 1.05e-3;
+    EXPECT_THAT(run_warnings(scene), IsEmpty());
+}
+
 TEST(RecordWarnings, ARunThatEndsWithinTheBurstIsTold) {
     Scene scene = short_burst();
     scene.output.duration_s = 99e-6;
     EXPECT_THAT(record_warnings(scene, ringing_record(scene, 1, 99e-6)),
-                ElementsAre(testing::AllOf(HasSubstr("within the burst of 0.0001 s"),
+                ElementsAre(testing::AllOf(HasSubstr("within the burst, which ends at 0.0001 s"),
                                            HasSubstr("output.duration_s=0.00015"))));
 }
 
@@ -173,7 +198,8 @@ TEST(RecordWarnings, AMotionWithoutAHornRingsAndNeedsSamplesToo) {
     EXPECT_THAT(record_warnings(scene, ringing_record(scene, 200e-6, 500e-6)),
                 ElementsAre(HasSubstr("rings at 14.1 %")));
     EXPECT_THAT(record_warnings(scene, ringing_record(scene, 50e-6, 500e-6)), IsEmpty());
-    EXPECT_THAT(record_warnings(scene, std::vector<double>(10, 0.1)), IsEmpty());  // too short to tell
+    EXPECT_THAT(record_warnings(scene, std::vector<double>(10, 0.1)),
+                ElementsAre(HasSubstr("less than two periods of drive.frequency_hz")));
     const double enough = 10 * fastest_contact_hz(scene);
     scene.output.sample_rate_hz = 1.01 * enough;
     EXPECT_THAT(run_warnings(scene), IsEmpty());
@@ -181,12 +207,12 @@ TEST(RecordWarnings, AMotionWithoutAHornRingsAndNeedsSamplesToo) {
     EXPECT_THAT(run_warnings(scene), ElementsAre(HasSubstr("peaks are missed")));
 }
 
-TEST(SwitchingWarnings, NameTheHarmonicsThatOweHalfOfThemselvesToJumps) {
+TEST(SwitchingWarnings, NameLinesThatJumpsRaiseOrLower) {
     EXPECT_THAT(switching_warnings({}), IsEmpty());
-    EXPECT_THAT(switching_warnings(std::vector<double>{0, 5.9, -20}), IsEmpty());
-    EXPECT_THAT(switching_warnings(std::vector<double>{0, 6, -20, 15}),
-                ElementsAre(HasSubstr("harmonics 2, 4 of v_out")));
-    EXPECT_THAT(switching_warnings(std::vector<double>{7}), ElementsAre(HasSubstr("harmonic 1 of v_out")));
+    EXPECT_THAT(switching_warnings(std::vector{0, 5.9, -5.9}), IsEmpty());
+    EXPECT_THAT(switching_warnings(std::vector{-11.4, -6.1, -3.1, 3.3, 13.7}),
+                ElementsAre(HasSubstr("harmonics 1, 2, 5 of v_out are changed")));
+    EXPECT_THAT(switching_warnings(std::vector<double>{7}), ElementsAre(HasSubstr("harmonic 1 of v_out is")));
 }
 
 }  // namespace

@@ -92,12 +92,18 @@ TEST(Strength, ContactsOfMaterialsWhoseStrengthIsNotKnownAreNotJudgedAndThatIsSa
     EXPECT_FALSE(strength_ratio(judge_contacts(scene, chain, chain.static_overlap)));
     EXPECT_EQ(unjudged_contacts(scene),
               "the strength of copper and mine is not known: the contacts horn - sphere, sphere - sphere, "
-              "sphere - end are not judged by it");
+              "sphere - end are not judged by strength");
     scene.materials["mine"] = Solid{69e9, 0.33, 2700, 1e8, {}};
     EXPECT_EQ(
         unjudged_contacts(scene),
         "the strength of copper is not known: the contacts horn - sphere, sphere - sphere are not judged "
-        "by it");
+        "by strength, the contacts sphere - end are judged by their other material alone");
+    scene = Scene();
+    scene.chain.material = "acrylic";
+    EXPECT_EQ(
+        unjudged_contacts(scene),
+        "the strength of acrylic is not known: the contacts sphere - sphere are not judged by strength, "
+        "the contacts horn - sphere, sphere - end are judged by their other material alone");
     EXPECT_EQ(unjudged_contacts(Scene()), std::nullopt);
     scene = Scene();
     scene.chain.material = scene.drive.material = scene.end.material = "steel";
