@@ -1,13 +1,13 @@
 #!/usr/bin/env bash
 # Checks style by clang-format on every source, which takes a second, and by clang-tidy.
 #   lint.sh                   clang-tidy on everything: a quarter of an hour on two cores
-#   lint.sh --changed [BASE]  clang-tidy on the 15 sources that differ most from BASE (origin/main, or else the last commit): minutes
+#   lint.sh --changed [BASE]  clang-tidy on the ten sources that differ most from BASE (origin/main, or else the last commit): minutes
 #   lint.sh --format          no clang-tidy
 #   lint.sh --fix             formats
 set -euo pipefail
 cd "$(dirname "$0")/.."
 mode=${1:-}
-most_sources=15
+most_sources=10
 sources_of_rooms=({include,core,measures,recordings,studies,stream,scope,apps}/'*.'[ch]pp)
 
 # Prints the commit to compare with; nothing in a clone of a single commit.
