@@ -198,7 +198,8 @@ const std::array table{
              "as `fractional_bandwidth_6db`, at 20 dB",
              of_band<b20, &fractional_bandwidth>},
     Quantity{G::spectrum, "switching_db", "dB", K::harmonics, C::among,
-             "per harmonic of `v_out`: how much larger it is than without the jumps of its formula; null without a plate, and of silence",
+             "per harmonic of `v_out`: how much larger it is than without the jumps of its formula; null without the paper's plate "
+             "(`end.model = \"lumped\"`), and of silence",
              [](R run) { return or_null(run.switching_db); }},
 
     Quantity{G::contacts, "peak_contact_force_n", "N", K::number, C::among,

@@ -1,7 +1,9 @@
 #include "apps/console/signals.hpp"
 
 #include <csignal>
+#include <string_view>
 
+#include <poll.h>
 #include <unistd.h>
 
 namespace hertzline::app {
@@ -13,8 +15,19 @@ static_assert(std::atomic<bool>::is_always_lock_free, "a signal handler may touc
 
 std::atomic<bool> at_once{false};
 
+/// Says so where stderr takes it without waiting; of the functions that a signal handler may call.
+void say_stopped() noexcept {
+    constexpr std::string_view text = "error: stopped\n";
+    pollfd err{STDERR_FILENO, POLLOUT, 0};
+    if (::poll(&err, 1, 0) == 1 && (err.revents & POLLOUT) != 0 &&
+        ::write(STDERR_FILENO, text.data(), text.size()) < 0) {
+        return;  // nobody reads it
+    }
+}
+
 extern "C" void note_stop(int /*signal*/) {
     if (at_once.load(std::memory_order_relaxed)) {
+        say_stopped();
         ::_exit(1);
     }
     stop.store(true, std::memory_order_relaxed);

@@ -63,11 +63,11 @@ void visit_scene(AnyScene& scene, const Visit& visit) {
                           {1e-3, 1e9, "Hz"},
                           "frequency at the burst's end, for a linear sweep (chirp)",
                           {.unset = "`frequency_hz`", .needs = tone, .hashed = changed}});
-        row(start_s,
-            {"start_s",
-             {0, 1e6, "s"},
-             "delay of the burst; of a live drive, its latency, at least the one that `check` prints",
-             {.needs = horn, .hashed = changed}});
+        row(start_s, {"start_s",
+                      {0, 1e6, "s"},
+                      "delay of the burst; of a live drive, its latency: a shorter one becomes the least, "
+                      "which `check` prints",
+                      {.needs = horn, .hashed = changed}});
         row(record, {"file",
                      {},
                      "the record of the horn's motion, beside the scene; its samples become `samples`",
