@@ -48,12 +48,16 @@ export class Knobs {
       const row = this.rows.get(key);
       row?.update(knob, this.there, knobs?.epoch);
       const needs = scene?.keys?.[key]?.needs;
-      row?.show(!needs || needs.words.includes(values[needs.key]?.value));
+      row?.show(row.needed || !needs || needs.words.includes(values[needs.key]?.value));
     }
   }
 
-  /** Shows below each key why it was not changed. @param faults of the answer; one of a key that was not turned is shown at all that were */
+  /** Shows below each key why it was not changed, and the keys that the change needs. @param faults of the answer; one of a key that was not
+   * turned is shown at all that were */
   refuse(keys, faults) {
+    for (const {key} of faults) {
+      this.rows.get(key)?.need();
+    }
     const text = (fault) => fault.message ?? `${fault.key}: found ${fault.found}, allowed: ${fault.allowed}`;
     for (const key of keys) {
       const own = faults.filter((fault) => fault.key === key);
@@ -104,6 +108,7 @@ class Knob {
     this.set = set;
     this.isPending = isPending;
     this.changedIn = 0;  // epoch
+    this.needed = false;  // by a change that was refused for want of it
     this.element = document.createElement('div');
     this.element.className = Array.isArray(knob.value) || knob.kind === 'list' ? 'knob list' : 'knob';
     const label = document.createElement('label');
@@ -152,17 +157,18 @@ class Knob {
       input.onchange = () => this.setText(input.value.trim());
       input.oninput = () => input.removeAttribute('aria-invalid');
       input.onblur = () => this.takeValue();
+      input.onkeydown = ({key}) => { if (key === 'Escape') { this.giveUp(); } };
     }
     return input;
   }
 
   /** A number is one, with or without its unit ("3 um"), which the stream reads; so is a list. An empty one is taken back. */
   setText(text) {
-    if (text === '' && this.knob.kind === 'list' && this.knob.value !== null) {
-      this.set(null);
+    if (text === this.valueText() || (text !== '' && Number(text) === this.knob.value)) {
+      this.giveUp();
     } else if (text === '') {
-      this.showValue();
-    } else if (text !== this.valueText()) {
+      this.set(null);
+    } else {
       this.set(this.isNumber(this.knob) && Number.isFinite(Number(text)) ? Number(text) : text);
     }
   }
@@ -195,13 +201,12 @@ class Knob {
     slider.setAttribute('aria-label', `${this.key}, from a quarter to four times its value`);
     slider.setAttribute('aria-describedby', this.limits.id);
     const value = () => this.turned(Number(slider.value));
-    const say = (number) => slider.setAttribute('aria-valuetext', withUnit(number, knob.unit ?? ''));
     slider.oninput = () => {
       this.input.value = withUnit(value(), knob.unit ?? '', 15);
-      say(value());
+      this.saySlider(value());
       this.set(value());
     };
-    const letGo = () => { this.turning = false; this.takeValue(); slider.value = '0'; say(this.value); };
+    const letGo = () => { this.turning = false; this.takeValue(); slider.value = '0'; };
     slider.onchange = () => {
       this.value = value();  // the next turn begins there, whether it is known or not
       this.set(this.value);
@@ -214,6 +219,14 @@ class Knob {
     this.slider = slider;
     this.element.append(slider);
   }
+
+  /** Back to the value in use, of which nothing was refused. */
+  giveUp() {
+    this.fault.textContent = '';
+    this.showValue();
+  }
+
+  saySlider(number) { this.slider.setAttribute('aria-valuetext', withUnit(number, this.knob.unit ?? '')); }
 
   showValue() {
     if (this.input.type === 'checkbox') {
@@ -245,6 +258,7 @@ class Knob {
     this.input.disabled = !there;
     if (this.slider) {
       this.slider.disabled = !there;
+      this.slider.hidden = !(knob.value > 0);  // there is no quarter of nothing
     }
     this.say(this.use, `${this.text(knob.value)} in use`);
     this.takeValue();
@@ -255,6 +269,9 @@ class Knob {
     const {knob} = this;
     if (!this.turning && !this.isPending() && !(this.epoch < this.changedIn)) {
       this.value = knob.value;
+      if (this.slider) {
+        this.saySlider(knob.value);
+      }
       if (!this.isTypedInto()) {
         this.showValue();
       }
@@ -262,7 +279,7 @@ class Knob {
     const text = (value) => this.text(value);
     const {minimum, maximum} = knob;
     const allowed = minimum !== undefined && knob.kind !== 'list' ? `allowed: ${text(minimum)} to ${text(maximum)}` : knob.allowed ?? knob.description ?? '';
-    const slider = this.slider && this.there ? `slider: ${this.sliderEnds().map(text).join(' to ')}; ` : '';
+    const slider = this.slider && !this.slider.hidden && this.there ? `slider: ${this.sliderEnds().map(text).join(' to ')}; ` : '';
     this.say(this.limits, slider + allowed);
   }
 
@@ -271,6 +288,12 @@ class Knob {
   text(value) {
     const unit = this.knob.unit ?? '';
     return Array.isArray(value) ? listText(value, unit) : typeof value === 'number' ? withUnit(value, unit) : String(value ?? '\u2013');
+  }
+
+  /** A change needs this key, which had no effect so far. */
+  need() {
+    this.needed = true;
+    this.show(true);
   }
 
   /** A key that has no effect in this scene is out of the way. */

@@ -28,8 +28,11 @@ export class Link {
   constructor(events) {
     this.events = events;
     this.tries = 0;
+    this.heardAt = 0;  // the time of the last message [ms]
     this.connect();
   }
+
+  isOpen() { return this.socket.readyState === WebSocket.OPEN; }
 
   connect() {
     const url = new URL('socket', location.href);
@@ -37,7 +40,7 @@ export class Link {
     this.socket = new WebSocket(url);
     this.pictures = [];  // of the update whose text has not come yet
     this.socket.binaryType = 'arraybuffer';
-    this.socket.onopen = () => { this.tries = 0; this.events.open(); };
+    this.socket.onopen = () => { this.tries = 0; this.heardAt = Date.now(); this.events.open(); };
     this.socket.onmessage = ({data}) => this.take(data);
     this.socket.onclose = () => {
       this.tries += 1;
@@ -47,6 +50,7 @@ export class Link {
   }
 
   take(data) {
+    this.heardAt = Date.now();
     if (typeof data !== 'string') {
       this.pictures.push(readPicture(data));
       return;
@@ -57,7 +61,7 @@ export class Link {
   }
 
   send(request) {
-    if (this.socket.readyState === WebSocket.OPEN) {
+    if (this.isOpen()) {
       this.socket.send(JSON.stringify(request));
     }
   }

@@ -13,6 +13,7 @@ import {Waveform} from './waveform.js';
 
 const $ = (id) => document.getElementById(id);
 const LONGEST_SAMPLES = 0.9 * protocol.held_samples;
+const LONGEST_SILENCE_S = 5;  // a scope tells its state ten times a second
 
 const waveform = new Waveform($('waveform'));
 const spectrum = new Spectrum($('spectrum'), $('waterfall'));
@@ -30,6 +31,9 @@ let undrawn = false;
 
 const link = new Link({
   update(pictures, text) {
+    if (text.scene && text.scene.run !== scene?.run) {
+      forgetPictures();
+    }
     if (text.choice === view.choice) {  // not of the channels before
       pictures.forEach(takePicture);
       showBurst(text);
@@ -43,13 +47,29 @@ const link = new Link({
   },
   async closed(tries) {
     const answers = await fetch(location.href, {cache: 'no-store'}).then(({ok}) => ok, () => false);
-    const refused = tries > 1 ? 'The scope answers, but takes no further page: as many are open as it serves. This page goes on when one is closed.'
-      : 'The connection to the scope broke. This page connects again.';
-    showState('gone', answers ? refused
-      : 'The scope itself does not answer: hertzline scope was ended, or cannot be reached. '
-        + 'This page goes on when it is back at this address; a scope that was started anew has another address.');
+    if (answers && tries > 1) {
+      showState('full', 'The scope answers, but takes no further page: as many are open as it serves. This page goes on when one is closed.');
+    } else {
+      showState('gone', answers ? 'The connection to the scope broke. This page connects again.'
+        : 'The scope itself does not answer: hertzline scope was ended, or cannot be reached. '
+          + 'This page goes on when it is back at this address; a scope that was started anew has another address.');
+    }
   },
 });
+
+/** Pictures of another run, or of another channel, would stand under a wrong name. */
+function forgetPictures() {
+  waveform.show(waveform.channels);
+  chain.picture = null;
+  forgetSpectrum();
+}
+
+function forgetSpectrum() {
+  spectrum.forget();
+  page.measures = null;
+  $('measures').replaceChildren();
+  redrawAll();
+}
 
 function takePicture(picture) {
   if (picture.kind === 'waveform') {
@@ -183,16 +203,34 @@ function onNumber(id, take) {
 onNumber('from', (us) => { touched = true; setWindow((us ?? 0) / 1e6, view.span_s); });
 onNumber('span', (us) => { touched = true; setWindow(view.from_s, us / 1e6 || view.span_s); });
 for (const edge of ['low', 'high']) {
-  onNumber(edge, (level) => { waveform.level[edge] = level; stale.waveform = true; });
+  onNumber(edge, (level) => {
+    const wanted = {...waveform.level, [edge]: level};
+    if (wanted.low !== null && wanted.high !== null && wanted.low >= wanted.high) {
+      $(edge).setAttribute('aria-invalid', 'true');
+      $('view-fault').textContent = `level: found ${wanted.low} to ${wanted.high}, allowed: from a smaller to a larger one`;
+      return;
+    }
+    waveform.level = wanted;
+    $('low').setAttribute('aria-invalid', 'false');
+    $('high').setAttribute('aria-invalid', 'false');
+    stale.waveform = true;
+  });
+}
+/** The same of a number that a request has: the field then shows the number in use. @param used (number or null) */
+function onRequested(id, used, take) {
+  onNumber(id, (number) => {
+    $(id).value = used(number);
+    take(Number($(id).value));
+  });
 }
 $('persistence').onchange = () => { waveform.persistence = Number($('persistence').value); stale.waveform = true; };
 $('trigger').onchange = () => { waveform.trigger = view.trigger = $('trigger').value; $('level-trigger').hidden = view.trigger !== 'level'; ask(); };
-onNumber('level', (level) => { view.level = level ?? 0; ask(); });
+onRequested('level', (level) => level ?? 0, (level) => { view.level = level; ask(); });
 $('slope').onchange = () => { view.slope = $('slope').value; ask(); };
-onNumber('hold-off', (us) => { view.hold_off_s = Math.max(us ?? 0, 0) / 1e6; ask(); });
-onNumber('average', (bursts) => { view.average = Math.min(Math.max(Math.round(bursts ?? 1), 1), 1000); ask(); });
-onNumber('to-hz', (kHz) => { view.spectrum_to_hz = Math.max((kHz ?? 800) * 1e3, 1); ask(); });
-onNumber('floor-db', (db) => { spectrum.floor = Math.min(db ?? -80, -20); stale.spectrum = true; });
+onRequested('hold-off', (us) => Math.max(us ?? 0, 0), (us) => { view.hold_off_s = us / 1e6; ask(); });
+onRequested('average', (bursts) => Math.min(Math.max(Math.round(bursts ?? 1), 1), 1000), (bursts) => { view.average = bursts; ask(); });
+onRequested('to-hz', (kHz) => Math.min(Math.max(kHz ?? 800, 1e-3), (scene?.fs ?? Infinity) / 2e3), (kHz) => { view.spectrum_to_hz = kHz * 1e3; ask(); });
+onRequested('floor-db', (db) => Math.min(Math.max(db ?? -80, -200), -20), (db) => { spectrum.floor = db; stale.spectrum = true; });
 $('chain-panel').ontoggle = ask;
 $('chain-stream').onchange = ask;
 $('spectrum-panel').ontoggle = ask;
@@ -203,7 +241,7 @@ matchMedia('(prefers-color-scheme: dark)').addEventListener('change', redrawAll)
 
 const channels = new ChannelChoice({stream: $('stream'), channel: $('channel'), beside: $('beside'), list: $('beside-list')}, (fault) => {
   if (channels.first !== view.channel) {
-    spectrum.forget();
+    forgetSpectrum();
     setMode('run');
   }
   Object.assign(view, {channel: channels.first, beside: channels.beside, choice: view.choice + 1});
@@ -342,7 +380,7 @@ function showScene() {
 
 function showState(name, text) {
   const words = {running: 'running', waiting: 'waiting for a stream', ended: 'the stream has ended', silent: 'the stream is gone',
-    refused: 'refused', gone: 'the scope is gone'};
+    refused: 'refused', gone: 'the scope is gone', full: 'too many pages'};
   if ($('state').dataset.state !== name) {
     $('state').dataset.state = name;
     $('state').textContent = words[name];
@@ -364,12 +402,7 @@ function showBurst(text) {
 
 function take(text) {
   if (text.scene) {
-    const another = scene?.run !== text.scene.run;
     ({scene} = text);
-    if (another) {
-      spectrum.forget();
-      waveform.older = [];
-    }
     showScene();
   }
   for (const reply of text.replies ?? []) {
@@ -446,6 +479,10 @@ setInterval(() => {
   own.drawnAtSecond = own.drawn;
   const sorted = [...own.delays].sort((a, b) => a - b);
   own.delay_ms = sorted[Math.floor(sorted.length / 2)];
+  const silent_s = (Date.now() - link.heardAt) / 1000;
+  if (link.isOpen() && silent_s > LONGEST_SILENCE_S) {
+    showState('gone', `The scope has sent nothing for ${Math.round(silent_s)} s: it hangs, or the connection is dead. This page goes on when it answers.`);
+  }
   if (state.state) {
     showMeters($('meters'), state, streamOf(view.channel), scene?.pace, own);
   }

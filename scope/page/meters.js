@@ -1,4 +1,5 @@
 // Meters of the stream, of the way to the scope and of this page.
+import {withUnit} from './axes.js';
 
 function entry(name, value, bad = false, title = '') {
   const pair = document.createElement('div');
@@ -33,7 +34,7 @@ export function showMeters(place, text, stream, pace, own) {
 }
 
 const MEASURES = [
-  ['peak', 'peak', (m, unit) => `${number(m.peak, 4)} ${unit}`],
+  ['peak', 'peak', (m, unit) => withUnit(m.peak, unit)],
   ['THD', 'thd_r', (m) => `${number(100 * m.thd_r, 4)} %`],
   ['band at \u221220 dB', 'bandwidth_20db_hz', (m) => `${number(m.band_20db_low_hz / 1e3, 4)} to ${number(m.band_20db_high_hz / 1e3, 4)} kHz`],
   ['occupied', 'occupied_20db_hz', (m) => `${number(m.occupied_20db_hz / 1e3, 4)} kHz`],

@@ -23,8 +23,10 @@ export class Spectrum {
   forget() {
     this.picture = null;
     this.measures = null;
-    this.falls.clearRect(0, 0, this.waterfall.width, this.waterfall.height);
+    this.clearWaterfall();
   }
+
+  clearWaterfall() { this.falls.clearRect(0, 0, this.waterfall.width, this.waterfall.height); }
 
   /** From black over blue and orange to white: brightness alone tells the level. */
   static shade(share) {
@@ -34,6 +36,11 @@ export class Spectrum {
 
   fall(picture) {
     const {width, height} = fit(this.waterfall);
+    const axes = `${picture.columns * picture.rate_hz} ${this.floor}`;
+    if (axes !== this.axesOfRows) {  // the rows before have others
+      this.axesOfRows = axes;
+      this.clearWaterfall();
+    }
     const rows = 2;
     if (height > rows) {
       this.falls.drawImage(this.waterfall, 0, 0, width, height - rows, 0, rows, width, height - rows);

@@ -192,7 +192,8 @@ export class Waveform {
     }
     const [{unit}] = this.channels;
     const [factor, prefix] = prefixFor(Math.max(Math.abs(place.low), Math.abs(place.high)), unit);
-    for (const value of this.levels(scale, place)) {
+    const belowUnit = 22 * scale;
+    for (const value of this.levels(scale, place).filter((level) => place.y(level) >= belowUnit)) {
       pen.text(left - 5 * scale, place.y(value) + 4 * scale, withUnit(value / factor, ''), colour.faint, 'end');
     }
     pen.text(2 * scale, 11 * scale, prefix + unit, colour.faint);

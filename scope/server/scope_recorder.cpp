@@ -94,7 +94,10 @@ void ScopeRecorder::end() {
     tap_.reset();
 }
 
-void ScopeRecorder::advance() {
+void ScopeRecorder::advance(bool stream_has_ended) {
+    if (stream_has_ended && set_) {
+        end();
+    }
     if (is_being_saved_ && saved_.wait_for(std::chrono::seconds(0)) == std::future_status::ready) {
         take_result();
     }

@@ -37,8 +37,8 @@ public:
     std::optional<std::string> begin(Tap tap, const std::string& ending);
     /// Lets another thread save the recording: a slow disk holds nothing up.
     void end();
-    /// Looks whether it is saved.
-    void advance();
+    /// Looks whether it is saved, and ends that of a stream that has ended.
+    void advance(bool stream_has_ended);
     /// Ends a recording that is on, and waits until it is saved.
     void finish();
     /// Also while it is being saved.

@@ -81,7 +81,7 @@ void ScopeSession::advance() {
     for (const PageEvent& event : server_.events()) {
         take(event);
     }
-    recorder_.advance();
+    recorder_.advance(listener_.state() == LiveListener::State::ended);
     knobs_.follow(is_running() ? std::optional(listener_.run_id()) : std::nullopt);
     for (Knobs::Reply& reply : knobs_.replies(!pages_.empty(), now_s_)) {
         if (const auto page = pages_.find(reply.page); page != pages_.end()) {

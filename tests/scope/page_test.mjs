@@ -138,6 +138,25 @@ const promises = {
     await this.page.keyboard.press('Enter');
     await until(this.page, () => document.getElementById('low').getAttribute('aria-invalid') === 'false');
   },
+  async 'says what a field of the view allows, or shows the number in use'() {
+    const enter = async (id, text) => {
+      await this.page.fill(id, text);
+      await this.page.press(id, 'Enter');
+    };
+    await enter('#low', '1');
+    await enter('#high', '-1');
+    assert.match(await this.page.textContent('#view-fault'), /level: found 1 to -1, allowed: from a smaller to a larger one/);
+    await enter('#high', '');
+    await enter('#low', '');
+    assert.equal(await this.page.textContent('#view-fault'), '');
+    for (const [id, text, used] of [['#average', '2.4', '2'], ['#average', '-1', '1'], ['#to-hz', '1e9', '5000'], ['#to-hz', '', '800'],
+      ['#floor-db', '5', '-20'], ['#floor-db', '', '-80'], ['#hold-off', '-3', '0'], ['#hold-off', '500', '500']]) {
+      if (await this.page.isVisible(id)) {
+        await enter(id, text);
+        assert.equal(await this.page.inputValue(id), used, `${id} ${text}`);
+      }
+    }
+  },
   async 'triggers on a level'() {
     await this.page.click('#run');
     await this.page.selectOption('#trigger', 'level');
@@ -160,6 +179,18 @@ const promises = {
       assert.ok(Math.abs(measures.harmonics_db[k] - db) < 0.3, `harmonic ${k + 1}: ${measures.harmonics_db[k]}, run has ${db}`);
     }
     assert.match(await this.page.textContent('#measures'), /harmonics/);
+    const rows = () => this.page.evaluate(() => {
+      const {waterfall, falls} = window.hertzline.spectrum;
+      const {data} = falls.getImageData(0, 0, 1, waterfall.height);
+      return [...Array(waterfall.height).keys()].filter((y) => data[4 * y + 3] > 0).length;
+    });
+    await until(this.page, () => window.hertzline.spectrum.falls.getImageData(0, 20, 1, 1).data[3] > 0);
+    await this.page.fill('#to-hz', '2000');
+    await this.page.press('#to-hz', 'Enter');
+    await until(this.page, () => window.hertzline.spectrum.axesOfRows.startsWith('2'));
+    assert.ok(await rows() < 20, 'rows of another axis');
+    await this.page.fill('#to-hz', '800');
+    await this.page.press('#to-hz', 'Enter');
   },
   async 'shows other channels beside it'() {
     const rows = (count) => until(this.page, (wanted) => {
@@ -238,12 +269,26 @@ const promises = {
     await this.page.evaluate(() => document.activeElement.blur());
     assert.equal(await knob.inputValue(), '25');  // as it plays
     assert.equal(await knob.getAttribute('aria-invalid'), null);
+    await knob.fill('25.0');
+    await knob.press('Enter');
+    assert.equal(await text('fault'), '', 'what is in use is not refused');
     await knob.fill('24');
     await knob.press('Enter');
     await until(this.page, () => document.getElementById('use-drive.cycles').textContent === '24 in use');
     assert.equal(await text('fault'), '');
     await this.page.click('#undo');
     await until(this.page, () => document.getElementById('use-drive.cycles').textContent === '25 in use');
+  },
+  async 'takes an optional number back when its field is emptied'() {
+    const knob = this.page.locator('[id="knob-drive.sweep_to_hz"]');
+    for (const [text, used] of [['80 kHz', '80 kHz in use'], ['', '\u2013 in use']]) {
+      await knob.fill(text);
+      await knob.press('Enter');
+      await until(this.page, (wanted) => document.getElementById('use-drive.sweep_to_hz').textContent === wanted, used);
+    }
+    await knob.fill('70');
+    await knob.press('Escape');
+    assert.equal(await knob.inputValue(), '');
   },
   async 'takes units with prefixes, and names those of the key'() {
     const knob = this.page.locator('[id="knob-drive.amplitude_m"]');
@@ -273,6 +318,18 @@ const promises = {
     await kind.selectOption('wall');
     await until(this.page, () => window.hertzline.answer?.answer.faults?.[0].key === 'end.kind');
     assert.equal(await kind.inputValue(), 'plate');
+    const needed = this.page.locator('[id="knob-chain.damping_alpha"]');
+    assert.equal(await needed.isVisible(), false);
+    await this.page.selectOption('[id="knob-chain.damping_law"]', 'tsuji');
+    await until(this.page, () => window.hertzline.answer?.answer.faults?.[0].key === 'chain.damping_alpha');
+    assert.equal(await needed.isVisible(), true, 'the key that the law needs');
+    const zeroSlider = this.page.locator('.knob:has([id="knob-chain.preload_n"]) input[type=range]');
+    for (const [text, visible] of [['0', false], ['0.1', true]]) {
+      await this.page.fill('[id="knob-chain.preload_n"]', text);
+      await this.page.press('[id="knob-chain.preload_n"]', 'Enter');
+      await until(this.page, (value) => window.hertzline.scene.scene.chain.preload_n === value, Number(text));
+      await zeroSlider.waitFor({state: visible ? 'visible' : 'hidden'});
+    }
     const before = await this.page.evaluate(() => window.hertzline.scene.scene.drive.amplitude_m);
     const slider = this.page.locator('.knob:has([id="knob-drive.amplitude_m"]) input[type=range]');
     await slider.click();  // in the middle, where it is
@@ -328,11 +385,27 @@ const promises = {
   async 'loses the stream and finds it again'() {
     this.stream.kill('SIGKILL');
     await until(this.page, () => document.getElementById('state').dataset.state === 'silent');
-    const run = await this.page.evaluate(() => window.hertzline.scene.run);
+    const runNow = () => this.page.evaluate(() => window.hertzline.scene.run);
+    const killed = await runNow();
+    const slow = start('endpoint', 'stream', 'striker', '--bind', endpoint, '--pace', '1e-6');  // its first frame takes a minute
+    await until(this.page, (before) => window.hertzline.scene.run !== before, killed);
+    assert.deepEqual(await this.page.evaluate(() => [window.hertzline.waveform.picture, window.hertzline.spectrum.picture, window.hertzline.measures]),
+      [null, null, null], 'pictures of another run');
+    assert.equal(await this.page.textContent('#measures'), '');
+    const run = await runNow();
+    slow.kill('SIGINT');
+    await until(this.page, () => document.getElementById('state').dataset.state === 'ended');
     this.stream = startStream();
     await until(this.page, (before) => document.getElementById('state').dataset.state === 'running' && window.hertzline.scene.run !== before, run);
     await until(this.page, () => window.hertzline.waveform.picture.trigger < 2e6);
     check(await pictureIn(this.page));
+  },
+  async 'says that the scope hangs, and goes on when it does'() {
+    scope.kill('SIGSTOP');
+    await until(this.page, () => document.getElementById('trouble').textContent.includes('The scope has sent nothing for'));
+    assert.equal(await this.page.getAttribute('#state', 'data-state'), 'gone');
+    scope.kill('SIGCONT');
+    await until(this.page, () => document.getElementById('state').dataset.state === 'running');
   },
   async 'serves eight pages at once, each with its own view, and the listener loses nothing'() {
     const pages = await Promise.all([...Array(8).keys()].map(() => open(chromium, url)));

@@ -513,6 +513,15 @@ def the_scene_and_what_is_heard_are_saved(stand):
     assert len(np.load(summary["recordings"][1]["file"])) == summary["recordings"][1]["samples"] > 1000, summary
 
 
+def a_recording_is_saved_when_its_stream_ends(stand):
+    with stand.stream() as stream, stand.scope() as scope, PageSocket(scope.url) as page:
+        page.say({"record": {"stream": "v_last", "ending": "npy"}})
+        page.text(lambda m: "recording" in m and m["recording"]["samples"] > 1000)
+        stream.interrupt()
+        state = page.text(lambda m: "recording" in m and not m["recording"]["on"])["recording"]
+        assert state["text"] == "saved" and len(np.load(state["file"])) == state["samples"] > 1000, state
+
+
 def a_recording_that_cannot_be_written_is_over(stand):
     with stand.stream(), PageSocket((scope := stand.scope("--json")).url) as page, scope:
         largest = 200_000  # bytes of a file
