@@ -186,17 +186,12 @@ std::optional<std::string> unjudged_contacts(const Scene& scene) {
             add_to(half_judged, kind_names[kind]);
         }
     }
-    if (materials.empty()) {
+    if (unjudged.empty()) {
         return std::nullopt;
     }
-    if (!unjudged.empty()) {
-        unjudged += " are not judged by strength";
-    }
-    if (!half_judged.empty()) {
-        half_judged += " are judged by their other material alone";
-    }
     return "the strength of " + enumeration(materials) + " is not known: " + unjudged +
-           (unjudged.empty() || half_judged.empty() ? "" : ", ") + half_judged;
+           " are not judged by strength" +
+           (half_judged.empty() ? "" : ", " + half_judged + " by their other material alone");
 }
 
 std::optional<std::string> strength_warning(const JudgedContacts& contacts) {

@@ -44,7 +44,8 @@ JudgedContacts judge_contacts(const Scene& scene, const Chain& chain, const Eige
 /// The largest ratio of a pressure to its limit; none where no limit is known.
 std::optional<double> strength_ratio(const JudgedContacts& contacts);
 
-/// One sentence that names the materials whose strength is not known, and the contacts that are not judged by it; none where each is known.
+/// One sentence that names the contacts of which no strength is known, those of which one of two is, and the materials; none where each
+/// contact has one.
 std::optional<std::string> unjudged_contacts(const Scene& scene);
 
 /// One sentence that names each contact whose pressure is beyond its limit, with figures; none where all are within.

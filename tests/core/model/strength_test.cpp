@@ -97,13 +97,16 @@ TEST(Strength, ContactsOfMaterialsWhoseStrengthIsNotKnownAreNotJudgedAndThatIsSa
     EXPECT_EQ(
         unjudged_contacts(scene),
         "the strength of copper is not known: the contacts horn - sphere, sphere - sphere are not judged "
-        "by strength, the contacts sphere - end are judged by their other material alone");
+        "by strength, the contacts sphere - end by their other material alone");
     scene = Scene();
     scene.chain.material = "acrylic";
     EXPECT_EQ(
         unjudged_contacts(scene),
         "the strength of acrylic is not known: the contacts sphere - sphere are not judged by strength, "
-        "the contacts horn - sphere, sphere - end are judged by their other material alone");
+        "the contacts horn - sphere, sphere - end by their other material alone");
+    scene.chain.material = "steel";
+    scene.end.material = "acrylic";
+    EXPECT_EQ(unjudged_contacts(scene), std::nullopt);
     EXPECT_EQ(unjudged_contacts(Scene()), std::nullopt);
     scene = Scene();
     scene.chain.material = scene.drive.material = scene.end.material = "steel";
