@@ -23,6 +23,7 @@ const view = {channel: 'v_out', beside: [], choice: 0, trigger: 'burst', level: 
   mode: 'run', shot: 0, spectrum: true, spectrum_to_hz: 8e5, average: 1, columns: 1000, pictures_per_s: 60};
 const own = {drawn: 0, replaced: 0, rate: 0, delay_ms: 0, delays: [], drawnAtSecond: 0};
 let scene = null;
+let pictured = null;  // the scene of the waveform, which may be held while another run begins
 let knobsText = null;
 let state = {};
 let touched = false;  // the window was chosen by hand
@@ -31,8 +32,8 @@ let undrawn = false;
 
 const link = new Link({
   update(pictures, text) {
-    if (text.scene && text.scene.run !== scene?.run) {
-      forgetPictures();
+    if (text.scene) {
+      takeScene(text.scene);
     }
     if (text.choice === view.choice) {  // not of the channels before
       pictures.forEach(takePicture);
@@ -59,7 +60,7 @@ const link = new Link({
 
 /** Pictures of another run, or of another channel, would stand under a wrong name. */
 function forgetPictures() {
-  waveform.show(waveform.channels);
+  waveform.beginAnew();
   chain.picture = null;
   forgetSpectrum();
 }
@@ -76,6 +77,7 @@ function takePicture(picture) {
     own.replaced += undrawn && !document.hidden ? 1 : 0;
     undrawn = true;
     waveform.take(picture);
+    pictured = picture.held ? pictured : scene;
   } else if (picture.kind === 'spectrum') {
     spectrum.take(picture);
   } else {
@@ -327,14 +329,15 @@ $('save-scene').onclick = () => link.send({scene: 'toml'});
 /** Returns what a saved picture shows: stream, scene, time. */
 function caption() {
   const {picture} = waveform;
-  const drive = scene?.scene?.drive;
-  const chainOf = scene?.scene?.chain;
+  const shown = pictured ?? scene;
+  const drive = shown?.scene?.drive;
+  const chainOf = shown?.scene?.chain;
   const of = drive && chainOf ? `: ${chainOf.spheres} spheres of ${chainOf.material}, ${withUnit(drive.frequency_hz, 'Hz')}, `
     + `${withUnit(drive.amplitude_m, 'm')}` : '';
   return [
     `${view.channel}${view.beside.length > 0 ? ` beside ${view.beside.join(', ')},` : ''} from sample ${picture?.first ?? '\u2013'} on, epoch ${picture?.epoch ?? scene?.epoch ?? 0}, of ${state.endpoint ?? 'no stream'}`,
-    `scene ${scene?.scene_hash ?? '\u2013'}${of}`,
-    `run ${scene?.run ?? '\u2013'}, saved ${new Date().toISOString()}`,
+    `scene ${shown?.scene_hash ?? '\u2013'}${of}`,
+    `run ${shown?.run ?? '\u2013'}, saved ${new Date().toISOString()}`,
   ];
 }
 
@@ -342,7 +345,7 @@ function caption() {
 function pictureName(ending) {
   const time = new Date().toISOString().replace(/[-:]/g, '').slice(0, 15);
   const channel = view.channel.replace('[', '_').replace(']', '');
-  return `hertzline-${channel}-${(scene?.scene_hash ?? 'none').slice(0, 8)}-${time}.${ending}`;
+  return `hertzline-${channel}-${((pictured ?? scene)?.scene_hash ?? 'none').slice(0, 8)}-${time}.${ending}`;
 }
 
 $('save-png').onclick = async () => {
@@ -400,11 +403,16 @@ function showBurst(text) {
   }
 }
 
-function take(text) {
-  if (text.scene) {
-    ({scene} = text);
-    showScene();
+function takeScene(newest) {
+  const another = newest.run !== scene?.run;
+  scene = newest;
+  if (another) {
+    forgetPictures();
   }
+  showScene();
+}
+
+function take(text) {
   for (const reply of text.replies ?? []) {
     if (reply.scene_toml) {
       download('scene.toml', 'application/toml', reply.scene_toml);

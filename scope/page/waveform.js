@@ -11,6 +11,7 @@ export class Waveform {
     this.channels = [{name: '', stream: '', unit: ''}];  // the chosen ones, the one with the trigger first
     this.stacked = false;  // each in a lane of its own
     this.older = [];
+    this.isOfRunBefore = false;
     this.persistence = 0;
     this.view = {from_s: 0, span_s: 1e-3};
     this.trigger = 'burst';
@@ -33,6 +34,16 @@ export class Waveform {
       this.older.shift();
     }
     this.picture = picture;
+    this.isOfRunBefore &&= picture.held;
+  }
+
+  /** Another run has begun: only what is held stays. */
+  beginAnew() {
+    if (this.picture?.held) {
+      this.isOfRunBefore = true;
+    } else {
+      this.show(this.channels);
+    }
   }
 
   /** Shows other channels. Pictures of the ones before are forgotten. */
@@ -40,6 +51,7 @@ export class Waveform {
     this.channels = channels;
     this.picture = null;
     this.older = [];
+    this.isOfRunBefore = false;
   }
 
   /** The time of a column's left edge [s after the trigger]. */
@@ -165,7 +177,7 @@ export class Waveform {
     if (!this.picture) {
       return 'no samples yet';
     }
-    return this.picture.held ? 'held' : this.picture.untriggered && this.trigger !== 'free' ? 'no trigger: running freely' : '';
+    return this.picture.held ? `held${this.isOfRunBefore ? ', of a run before' : ''}` : this.picture.untriggered && this.trigger !== 'free' ? 'no trigger: running freely' : '';
   }
 
   times(scale) { return ticks(this.view.from_s, this.view.from_s + this.view.span_s, this.box.width / scale / 110); }

@@ -67,6 +67,11 @@ public:
         captures_.clear();
         pictured_at_s_.clear();
     }
+    /// Forgets pictures, too: another run has begun.
+    void begin_anew() {
+        cancel();
+        pictures_.clear();
+    }
 
     /// Returns the latest picture; null: none yet.
     const Picture* latest(Tap tap) const;

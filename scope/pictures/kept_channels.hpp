@@ -35,6 +35,9 @@ public:
         return streams();
     }
 
+    /// Forgets all samples: another run has begun.
+    void begin_anew() { channels_.clear(); }
+
     /// Returns the streams of the channels that are kept.
     TapSet streams() const noexcept {
         TapSet taps;

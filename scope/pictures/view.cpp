@@ -73,17 +73,24 @@ void View::ask(const ViewRequest& request) {
         return held.first != request.channel &&
                std::ranges::find(request.beside, held.first) == request.beside.end();
     });
-    if (another_mode || of_another) {
+    if (another_mode) {
         single_from_.reset();
     }
     if (of_another) {
-        level_ = LevelTrigger();
-        shown_.reset();
-        found_.reset();
-        triggered_at_s_ = 0;
+        begin_anew();
     }
     request_ = request;
     changed_ = true;
+}
+
+void View::begin_anew() {
+    level_ = LevelTrigger();
+    found_.reset();
+    single_from_.reset();
+    triggered_at_s_ = 0;
+    if (!is_held()) {
+        shown_.reset();
+    }
 }
 
 View::Window View::window(double fs, std::size_t capacity) const noexcept {

@@ -33,6 +33,8 @@ class View {
 public:
     /// Sets the request.
     void ask(const ViewRequest& request);
+    /// Other samples follow, of another channel or another run. Held pictures stay.
+    void begin_anew();
     const ViewRequest& request() const noexcept { return request_; }
 
     /// Returns the bytes of the next picture; nothing when the page has the latest one.

@@ -21,6 +21,11 @@ void ScopePage::ask(const ViewRequest& request) {
     view_.ask(request);
 }
 
+void ScopePage::begin_anew() {
+    average_.clear();
+    view_.begin_anew();
+}
+
 bool ScopePage::is_due(double now_s) noexcept {
     if (now_s < next_at_s_) {
         return false;

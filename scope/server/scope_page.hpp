@@ -28,6 +28,8 @@ class ScopePage {
 public:
     const ViewRequest& request() const noexcept { return view_.request(); }
     void ask(const ViewRequest& request);
+    /// Another run has begun.
+    void begin_anew();
     /// Sends this with the next update.
     void reply(Json reply) { replies_.push_back(std::move(reply)); }
     /// Notes that the page has taken its update.

@@ -65,7 +65,20 @@ ScopeSession::ScopeSession(ScopeTargets targets, PageServer& server, const std::
       recorder_(targets_.recordings, stop, std::move(report)),
       knobs_(targets_.control, targets_.curve) {}
 
+/// Samples of another run would be shown under the name of this one.
+void ScopeSession::look_for_another_run() {
+    if (std::string run = listener_.run_id(); run != run_) {
+        run_ = std::move(run);
+        channels_.begin_anew();
+        chains_.begin_anew();
+        for (auto& [id, page] : pages_) {
+            page.begin_anew();
+        }
+    }
+}
+
 void ScopeSession::take_frame(stream::RunReceiver& run, const stream::ReceivedFrame& frame) {
+    look_for_another_run();
     if (chain_taps.contains(frame.tap)) {
         chains_.take(frame, now_s_);
         return;
@@ -77,6 +90,7 @@ void ScopeSession::take_frame(stream::RunReceiver& run, const stream::ReceivedFr
 void ScopeSession::advance() {
     now_s_ = since_1970_s();
     listener_.listen(longest_wait);
+    look_for_another_run();
     now_s_ = since_1970_s();
     for (const PageEvent& event : server_.events()) {
         take(event);

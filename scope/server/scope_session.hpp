@@ -45,6 +45,7 @@ public:
 
 private:
     void take_frame(stream::RunReceiver& run, const stream::ReceivedFrame& frame);
+    void look_for_another_run();
     void take(const PageEvent& event);
     void take_request(PageId id, ScopePage& page, const std::string& text);
     void take_recording_request(ScopePage& page, const Json& request);
@@ -63,6 +64,7 @@ private:
     KeptChannels channels_;
     ChainPictures chains_;
     Knobs knobs_;
+    std::string run_;  // whose samples there are
     std::map<PageId, ScopePage> pages_;
     SharedState shared_{.knobs = knobs_, .chains = chains_};
     double shared_at_s_ = 0;

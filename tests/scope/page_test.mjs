@@ -394,6 +394,7 @@ const promises = {
     assert.equal(await this.page.textContent('#measures'), '');
     const run = await runNow();
     slow.kill('SIGINT');
+    await slow.over;
     await until(this.page, () => document.getElementById('state').dataset.state === 'ended');
     this.stream = startStream();
     await until(this.page, (before) => document.getElementById('state').dataset.state === 'running' && window.hertzline.scene.run !== before, run);
