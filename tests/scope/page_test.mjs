@@ -398,7 +398,7 @@ const promises = {
     await until(this.page, () => document.getElementById('state').dataset.state === 'ended');
     this.stream = startStream();
     await until(this.page, (before) => document.getElementById('state').dataset.state === 'running' && window.hertzline.scene.run !== before, run);
-    await until(this.page, () => window.hertzline.waveform.picture.trigger < 2e6);
+    await until(this.page, () => window.hertzline.waveform.picture?.trigger < 2e6);
     check(await pictureIn(this.page));
   },
   async 'says that the scope hangs, and goes on when it does'() {
