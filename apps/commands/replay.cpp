@@ -168,8 +168,6 @@ Exit replay(const ReplayOptions& arguments) {
     publish_to_the_end(pipeline, publisher, line, arguments.publish.format,
                        {.add_to_summary =
                             [&](Json& summary, const stream::StreamMeters&) {
-                                summary.erase("energy_residual");  // nothing is simulated
-                                summary.erase("contact_events");
                                 summary["replay"] = arguments.file;
                                 summary["version"] = measures::program_version();
                             },

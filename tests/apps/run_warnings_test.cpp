@@ -24,7 +24,7 @@ TEST(Run, WarnsOfARecordThatIsTooShortForItsSpectrum) {
     const Outcome acrylic = hertzline({"run", "paper-acrylic"});
     EXPECT_THAT(acrylic.err, ContainsRegex("warning: .*still rings at [0-9.]+ % of its peak"));
     const Outcome begun = hertzline({"run", "paper-wall", "--set", "drive.frequency_hz=73"});
-    EXPECT_THAT(begun.err, ContainsRegex("warning: .*within the burst of 0.342"));
+    EXPECT_THAT(begun.err, ContainsRegex("warning: .*within the burst, which ends at 0.342"));
     const Outcome coarse = hertzline({"run", "paper-wall", "--set", "output.sample_rate_hz=1e5"});
     EXPECT_THAT(coarse.err, ContainsRegex("warning: harmonics above half the sample rate"));
 }
