@@ -94,7 +94,9 @@ std::shared_ptr<const Resolution> SceneObject::resolved() {
     if (!resolved_) {
         require_memory("simulating " + printable_whole(origin()), Simulation::memory_bytes(scene(), {}));
         std::optional<Resolution> found;
-        interruptible([&](const std::atomic<bool>& stop) { found = hertzline::resolve(scene(), scene().output.duration_s, &stop); });
+        interruptible([&](const std::atomic<bool>& stop) {
+            found = hertzline::resolve(scene(), scene().output.duration_s, &stop);
+        });
         if (!found->faults.empty()) {
             for (Fault& fault : found->faults) {
                 fault = parsed_.placed(fault);
