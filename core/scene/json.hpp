@@ -44,7 +44,7 @@ private:
 /// One object, on one line. Bytes that are not UTF-8 (in the name of a file) are replaced.
 std::string json_text(const Json& json);
 
-/// The same in ASCII alone, for files and messages: other characters are escaped.
+/// The same in ASCII alone, for files: other characters are escaped.
 std::string ascii_json_text(const Json& json);
 
 }  // namespace hertzline

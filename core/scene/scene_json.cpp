@@ -15,7 +15,9 @@ namespace {
 
 /// The value as text, for a message.
 std::string found_json(const Json& value) {
-    return printable(ascii_json_text(value), 60);
+    constexpr std::size_t longest = 60;
+    return value.is_string() ? quoted_briefly(value.get_ref<const std::string&>())
+                             : printable(json_text(value), longest);
 }
 
 /// The number as one of that kind; nothing when it is of another kind.

@@ -94,7 +94,7 @@ TEST(SceneValues, SetsNumbersIntegersWordsAndTakesOptionalValuesBack) {
 TEST(SceneValues, NamesEveryFault) {
     const auto changed = with_values(Scene{}, {{"drive.amplitud_m", 1},
                                                {"drive.amplitude_m", -1},
-                                               {"drive.cycles", "many"},
+                                               {"drive.cycles", "viele \u00b5"},
                                                {"end.modes", 2.5},
                                                {"drive.envelope", "hanning"},
                                                {"drive.frequency_hz", nullptr}});
@@ -105,7 +105,7 @@ TEST(SceneValues, NamesEveryFault) {
         messages,
         ElementsAre(HasSubstr("did you mean 'drive.amplitude_m'?"),
                     "drive.amplitude_m: found -1, allowed: a number from 0 to 1 m",
-                    StartsWith("drive.cycles: found \"many\", allowed: a number from 0.001"),
+                    StartsWith("drive.cycles: found \"viele \u00b5\", allowed: a number from 0.001"),
                     "end.modes: found 2.5, allowed: an integer from 1 to 6",
                     StartsWith("drive.envelope: found \"hanning\", allowed: one of \"hann\""),
                     "drive.frequency_hz: found null, allowed: a number from 0.001 to 1e+09 Hz, always"));
