@@ -361,7 +361,7 @@ function showRecording(recording) {
   $('record').textContent = recording.on ? 'Stop recording' : 'Record';
   $('record').disabled = !recording.allowed;
   const missing = recording.missing_samples > 0 ? `, ${recording.missing_samples} missing, marked as a gap` : '';
-  const text = recording.file !== '' ? `${recording.file}: ${recording.text}.` : recording.allowed ? `Saved by the scope in ${recording.folder}.` : '';
+  const text = recording.file !== '' ? `${recording.file}: ${recording.text}.` : recording.allowed ? `Saved by the scope in ${recording.folder === '.' ? 'the folder where it was started' : recording.folder}.` : '';
   if ($('record-text').textContent !== text) {  // which is read aloud
     $('record-text').textContent = text;
   }
