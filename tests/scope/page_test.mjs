@@ -348,7 +348,7 @@ const promises = {
     await until(this.page, (wanted) => Math.abs(window.hertzline.scene.scene.drive.amplitude_m / wanted - 1) < 0.01, turned);
     await this.page.evaluate(() => document.activeElement.blur());
     const other = await open(chromium, url);
-    await until(other, () => document.getElementById('use-drive.cycles').textContent === '25 in use');
+    await until(other, () => document.getElementById('use-drive.cycles')?.textContent === '25 in use');
     await this.page.fill('[id="knob-drive.amplitude_m"]', String(before));
     await this.page.press('[id="knob-drive.amplitude_m"]', 'Enter');
     const cycles = async (text) => {
