@@ -1,5 +1,8 @@
 // hertzline check: derived values, the integrator and its step, and the reasons for them.
 
+#include <cmath>
+#include <numbers>
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -33,6 +36,17 @@ TEST(Check, DerivesThePapersNumbers) {
     EXPECT_NEAR(value("steps_per_sample"), 1 / (10e6 * value("step_s")), 1e-9);
     EXPECT_EQ(derived["accuracy_met"], true);
     EXPECT_EQ(derived["integrator"], "taylor8");
+}
+
+TEST(Check, RestsOnTheEndWhereSpheresHaveWeightAndHasNoBurstWithoutAHorn) {
+    const auto heavy =
+        hertzline({"check", "paper-wall", "--json", "--set", "chain.gravity_m_per_s2=5000"}).json();
+    // p = 3 k sqrt(delta) / (pi R) with k delta^1.5 = F0 + 5 m g
+    const double force = 0.1 + 5 * heavy["sphere_mass_kg"].get<double>() * 5000;
+    const double k = heavy["sphere_contact_stiffness_n_per_m1_5"].get<double>();
+    const double most = 3 * k * std::cbrt(force / k) / (std::numbers::pi * 0.5e-3);
+    EXPECT_NEAR(heavy["sphere_contact_static_pressure_pa"].get<double>(), most, 1e-3 * most);
+    EXPECT_TRUE(hertzline({"check", "striker", "--json"}).json()["burst_duration_s"].is_null());
 }
 
 TEST(Check, ReportsItsChoicesWithReasons) {

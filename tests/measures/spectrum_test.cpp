@@ -4,6 +4,7 @@
 #include <limits>
 #include <numbers>
 #include <stdexcept>
+#include <vector>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -150,6 +151,21 @@ TEST(Spectrum, ABandAboveNyquistIsAbsent) {
     const auto s = summary_of(faded(sum_of({{f, 1.0}}, 5001)), f, rate);
     EXPECT_FALSE(s.band_6db || s.band_20db || s.strongest_hz || s.dc_db || s.below_db);
     EXPECT_TRUE(s.thd_r);
+}
+
+TEST(Spectrum, OneLineAloneHasNoDistortionAndSilenceHasLinesOfZero) {
+    constexpr std::size_t samples = 1000;
+    constexpr double rate_hz = 1000;
+    SpectrumAnalyser analyser(samples, rate_hz);
+    std::vector<double> tone(samples);
+    for (std::size_t i = 0; i < samples; ++i) {
+        tone[i] = std::sin(2 * std::numbers::pi * 0.3 * static_cast<double>(i));
+    }
+    const SpectrumSummary summary = analyser.analyse(tone, 0.3 * rate_hz);
+    EXPECT_EQ(summary.harmonics_db, std::vector<double>{0});
+    EXPECT_FALSE(summary.thd_r || summary.thd_f);
+    EXPECT_EQ(analyser.harmonics(std::vector<double>(samples), 0.1 * rate_hz), std::vector<double>(5));
+    EXPECT_TRUE(analyser.analyse(std::vector<double>(samples), 0.1 * rate_hz).harmonics.empty());
 }
 
 TEST(Spectrum, DistortionByTheOtherDefinitionIsRelativeToTheFundamental) {
