@@ -156,6 +156,12 @@ Warnings scene_warnings(const Resolution& resolved, const Chain& chain) {
     return warnings;
 }
 
+Warnings all_warnings(const Run& run) {
+    Warnings warnings = scene_warnings(run.resolved);
+    append(warnings, run.warnings);
+    return warnings;
+}
+
 namespace {
 
 /// Why the accuracy is missed, behind "; "; empty where there is no particular reason.

@@ -22,6 +22,9 @@ Warnings scene_warnings(const Resolution& resolved);
 /// The same. @param chain of the scene, or of an array's first element
 Warnings scene_warnings(const Resolution& resolved, const Chain& chain);
 
+/// Warnings of a run's scene, then those of its result.
+Warnings all_warnings(const Run& run);
+
 /// "the estimated error over the first 0.001 s is 0.0002, above the requested accuracy of 0.0001"
 std::string missed_by(const Resolution& resolved, const ErrorEstimate& estimate);
 

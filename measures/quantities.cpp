@@ -127,7 +127,8 @@ const std::array table{
              [](R run) { return Json(burst_shown_ratio(run.resolved.scene)); }},
     Quantity{G::result, "ringing_ratio", "", K::number, C::among,
              "largest value of `v_out` in the last period of the drive, over its peak: above 0.01 there is a warning; null of silence, "
-             "where bursts repeat, and where the run ends less than two periods after the burst, or without a horn has less than two",
+             "where bursts repeat, and where the run ends less than two periods after the burst, or, without a horn, "
+             "after the first `drive.cycles` periods",
              [](R run) { return or_null(run.ringing_ratio); }},
 
     Quantity{G::spectrum, "fundamental_hz", "Hz", K::number, C::among,
@@ -538,9 +539,7 @@ double Run::operator[](std::string_view name) const {
 
 Json summary_json(const Run& run) {
     Json summary = measures::summary_json(measures::summary_of(run));
-    Warnings warnings = measures::scene_warnings(run.resolved);
-    warnings.insert(warnings.end(), run.warnings.begin(), run.warnings.end());
-    summary["warnings"] = std::move(warnings);
+    summary["warnings"] = measures::all_warnings(run);
     return summary;
 }
 

@@ -11,7 +11,7 @@ export class Waveform {
     this.channels = [{name: '', stream: '', unit: ''}];  // the chosen ones, the one with the trigger first
     this.stacked = false;  // each in a lane of its own
     this.older = [];
-    this.isOfRunBefore = false;
+    this.isOfEarlierRun = false;
     this.persistence = 0;
     this.view = {from_s: 0, span_s: 1e-3};
     this.trigger = 'burst';
@@ -34,13 +34,13 @@ export class Waveform {
       this.older.shift();
     }
     this.picture = picture;
-    this.isOfRunBefore &&= picture.held;
+    this.isOfEarlierRun &&= picture.held;
   }
 
   /** Another run has begun: only what is held stays. */
   beginAnew() {
     if (this.picture?.held) {
-      this.isOfRunBefore = true;
+      this.isOfEarlierRun = true;
     } else {
       this.show(this.channels);
     }
@@ -51,7 +51,7 @@ export class Waveform {
     this.channels = channels;
     this.picture = null;
     this.older = [];
-    this.isOfRunBefore = false;
+    this.isOfEarlierRun = false;
   }
 
   /** The time of a column's left edge [s after the trigger]. */
@@ -177,7 +177,10 @@ export class Waveform {
     if (!this.picture) {
       return 'no samples yet';
     }
-    return this.picture.held ? `held${this.isOfRunBefore ? ', of a run before' : ''}` : this.picture.untriggered && this.trigger !== 'free' ? 'no trigger: running freely' : '';
+    if (this.picture.held) {
+      return this.isOfEarlierRun ? 'held, of an earlier run' : 'held';
+    }
+    return this.picture.untriggered && this.trigger !== 'free' ? 'no trigger: running freely' : '';
   }
 
   times(scale) { return ticks(this.view.from_s, this.view.from_s + this.view.span_s, this.box.width / scale / 110); }

@@ -75,6 +75,7 @@ void LiveListener::take_meta(const stream::Message& message) {
     if (OutsideJson(meta).text("run") != run_id()) {
         listener_.begin_anew();
         meters_ = nullptr;
+        ++run_number_;
     }
     meta_ = std::move(meta);
     meta_text_ = message.text(0);

@@ -45,6 +45,9 @@ public:
     /// Returns a count of the metas that differ from the one before.
     std::uint64_t meta_number() const noexcept { return meta_number_; }
 
+    /// Returns a count of the runs: samples belong to the last one.
+    std::uint64_t run_number() const noexcept { return run_number_; }
+
     /// Returns the run's id; empty: unknown.
     std::string run_id() const { return OutsideJson(meta_).text("run"); }
     /// Returns a frequency of the scene's drive [Hz]; 0: unknown, or none.
@@ -69,6 +72,7 @@ private:
     Json meters_;
     std::string meta_text_;
     std::uint64_t meta_number_ = 0;
+    std::uint64_t run_number_ = 0;
     double repetition_hz_ = 0;
     double fundamental_hz_ = 0;
     std::uint32_t epoch_ = 0;

@@ -67,8 +67,8 @@ ScopeSession::ScopeSession(ScopeTargets targets, PageServer& server, const std::
 
 /// Samples of another run would be shown under the name of this one.
 void ScopeSession::look_for_another_run() {
-    if (std::string run = listener_.run_id(); run != run_) {
-        run_ = std::move(run);
+    if (listener_.run_number() != run_number_) {
+        run_number_ = listener_.run_number();
         channels_.begin_anew();
         chains_.begin_anew();
         for (auto& [id, page] : pages_) {

@@ -64,7 +64,7 @@ private:
     KeptChannels channels_;
     ChainPictures chains_;
     Knobs knobs_;
-    std::string run_;  // whose samples there are
+    std::uint64_t run_number_ = 0;  // of the samples that there are
     std::map<PageId, ScopePage> pages_;
     SharedState shared_{.knobs = knobs_, .chains = chains_};
     double shared_at_s_ = 0;

@@ -210,6 +210,8 @@ TEST(RecordWarnings, AMotionWithoutAHornRingsAndNeedsSamplesToo) {
 TEST(SwitchingWarnings, NameLinesThatJumpsRaiseOrLower) {
     EXPECT_THAT(switching_warnings({}), IsEmpty());
     EXPECT_THAT(switching_warnings(std::vector<double>{0, 5.9, -5.9}), IsEmpty());
+    EXPECT_THAT(switching_warnings(std::vector<double>{0, 6, -20, 15}),
+                ElementsAre(HasSubstr("harmonics 2, 3, 4 of v_out")));
     EXPECT_THAT(switching_warnings(std::vector<double>{-11.4, -6.1, -3.1, 3.3, 13.7}),
                 ElementsAre(HasSubstr("harmonics 1, 2, 5 of v_out are changed")));
     EXPECT_THAT(switching_warnings(std::vector<double>{7}), ElementsAre(HasSubstr("harmonic 1 of v_out is")));

@@ -82,8 +82,7 @@ void simulate(const Resolution& resolved, const RunRequest& request, const std::
     if (run.stopped) {
         return;
     }
-    result.warnings = measures::scene_warnings(resolved);
-    result.warnings.insert(result.warnings.end(), run.warnings.begin(), run.warnings.end());
+    result.warnings = measures::all_warnings(run);
     result.summary = measures::summary_json(measures::summary_of(run));
     for (TapRecord& tap : run.taps) {
         if (!beside.contains(tap.tap)) {
