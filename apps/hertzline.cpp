@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <cstdlib>
 #include <exception>
@@ -27,6 +28,7 @@
 #include "apps/console/output.hpp"
 #include "apps/console/signals.hpp"
 #include "core/scene/faults.hpp"
+#include "core/scene/scene_key.hpp"
 #include "core/scene/text.hpp"
 #include "measures/provenance.hpp"
 #include "measures/resources.hpp"
@@ -137,13 +139,33 @@ std::string unknown_word(const CLI::App& command) {
     return "found the option " + quoted_briefly(*option) + suggestion(*option, options);
 }
 
+/// Returns the fault of a value that is no number, as CLI11's message names it: "Could not convert: --x = abc".
+std::string unreadable_number(std::string_view message) {
+    constexpr std::string_view begin = "Could not convert: ";
+    constexpr std::string_view between = " = ";
+    const std::size_t at = message.find(between);
+    if (!message.starts_with(begin) || at == std::string_view::npos) {
+        return printable(message);
+    }
+    const std::string_view option = message.substr(begin.size(), at - begin.size());
+    const std::string_view value = message.substr(at + between.size());
+    const auto number = read_value(ValueKind::number, value);
+    const bool fraction = number && std::floor(std::get<double>(*number)) != std::get<double>(*number);
+    return fmt::format("{}: found {}, allowed: {}", option, quoted_briefly(value),
+                       !number    ? "a number"
+                       : fraction ? "a whole number"
+                                  : "a smaller whole number of at least 0");
+}
+
 /// Returns the fault that CLI11 found, and the way to the options that are allowed.
 std::string fault_of(const CLI::ParseError& error, const CLI::App& program) {
     const auto parsed = program.get_subcommands();
     const CLI::App& command = parsed.empty() ? program : *parsed.front();
-    const bool unknown = error.get_exit_code() == static_cast<int>(CLI::ExitCodes::ExtrasError);
+    const auto is = [&](CLI::ExitCodes code) { return error.get_exit_code() == static_cast<int>(code); };
     return fmt::format("{}; hertzline {}--help lists what is allowed",
-                       unknown ? unknown_word(command) : printable(error.what()),
+                       is(CLI::ExitCodes::ExtrasError)       ? unknown_word(command)
+                       : is(CLI::ExitCodes::ConversionError) ? unreadable_number(error.what())
+                                                             : printable(error.what()),
                        parsed.empty() ? "" : command.get_name() + ' ');
 }
 

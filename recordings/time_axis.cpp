@@ -213,6 +213,15 @@ double TimeAxis::tolerance(double time) const noexcept {
     return rounding > 1 ? rounding : std::max(max_deviation, rounding / 2);
 }
 
+std::optional<std::string> TimeAxis::moved_origin(const std::string& file,
+                                                  std::span<const double> times) const {
+    TimeAxis axis = *this;
+    if (times.empty() || !std::isfinite(times[0]) || axis.sample_of(times[0]) != 0 || axis.origin_ == 0) {
+        return std::nullopt;
+    }
+    return fmt::format("{}: its times begin at {} s, which becomes 0", file, number_text(axis.origin_));
+}
+
 std::int64_t TimeAxis::sample_of(double time) {
     if (rate_ == 0 ||
         (due_ > 0 && std::abs((time - origin_) * rate_ - static_cast<double>(due_)) <= max_deviation)) {

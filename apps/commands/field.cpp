@@ -44,7 +44,7 @@ namespace hertzline::app {
 
 namespace {
 
-constexpr const char* examples =
+constexpr const char* field_examples =
     "Saves the peak, the rms and the harmonics of the pressure at each point of a plane, a line or a box, a "
     "row each, x fastest; "
     "plot draws them. With --waveforms an .h5 file holds the pressures themselves, p_points[point][sample], "
@@ -119,7 +119,7 @@ std::vector<recordings::TableColumn> field_columns() {
 
 /// @throws std::runtime_error when the run is too long, the memory too small, or the disk for one of the files, or for the first one
 /// and the waveforms beside it
-void refuse_shortages(const FieldOptions& options, const Scene& scene, int jobs) {
+void refuse_field_shortages(const FieldOptions& options, const Scene& scene, int jobs) {
     const auto points = static_cast<double>(scene.output.points_m.size());
     throw_if(measures::longest_run_fault(scene));
     const double numbers = points * static_cast<double>(field_columns().size() * sizeof(double));
@@ -269,7 +269,7 @@ Exit field(const FieldOptions& options) {
     using Clock = std::chrono::steady_clock;
     const CheckedField asked = checked(options);
     const int jobs = options.jobs.value_or(studies::usual_jobs());
-    refuse_shortages(options, asked.parsed.scene, jobs);
+    refuse_field_shortages(options, asked.parsed.scene, jobs);
     auto resolved = resolved_scene(asked.parsed);
     if (!resolved) {
         throw WrongUse(fault_text(resolved.error()));
@@ -348,7 +348,7 @@ Run field_command(CLI::App& app) {
         ->type_name("N");
     add_target_option(app);
     add_format_option(app, options->format, "print the summary as one JSON object");
-    app.footer(examples);
+    app.footer(field_examples);
     return [options] { return field(*options); };
 }
 

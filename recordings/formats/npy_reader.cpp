@@ -254,7 +254,11 @@ private:
                     ? digits_of_float32
                     : digits_of_float64;
             try {
-                axis_ = TimeAxis(options.sample_rate_hz, first_times(), digits);
+                const std::vector<double> times = first_times();
+                axis_ = TimeAxis(options.sample_rate_hz, times, digits);
+                if (const auto moved = axis_.moved_origin(printable_whole(file_.path().string()), times)) {
+                    options.tell(*moved);
+                }
             } catch (const TimeFault& fault) {
                 cannot_read(file_.path(), fmt::format("row {}: {}", fault.row(), fault.what()));
             }

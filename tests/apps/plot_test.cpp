@@ -37,6 +37,23 @@ private:
     const char* name_;
 };
 
+/// Writes a recording of v_out: `level` everywhere, and a single sample of another one.
+void write_impulse(const std::string& file, std::int64_t samples, std::int64_t place, double impulse,
+                   double level = 0, const Json& provenance = Json::object()) {
+    RecordingHead head = recording_head({"v_out_m_per_s"}, 1e6, NumberType::float32);
+    head.provenance.update(provenance);
+    const auto writer = open_recording(file, head);
+    constexpr std::int64_t portion = 1 << 16;
+    for (std::int64_t first = 0; first < samples; first += portion) {
+        std::vector<double> rows(static_cast<std::size_t>(std::min(portion, samples - first)), level);
+        if (place >= first && place - first < std::ssize(rows)) {
+            rows[static_cast<std::size_t>(place - first)] = impulse;
+        }
+        writer->write(first, rows);
+    }
+    writer->commit();
+}
+
 TEST(Plot, DrawsARecordingOfAnyFormatWithItsGaps) {
     const TemporaryFolder folder;
     for (const std::string name : {"a.csv", "a.h5", "a.npy", "a.wav", "a.sigmf-meta", "a.sigmf-collection"}) {
@@ -102,6 +119,69 @@ TEST(Plot, RunDrawsWhatItMeasures) {
     EXPECT_EQ(files_in(fs::path(folder.file("x")).parent_path()), 1U);
 }
 
+TEST(Plot, BandsOfARunBeginWhereItWasTold) {
+    const TemporaryFolder folder;
+    const Outcome outcome = hertzline({"run", "paper-vitreous-carbon", "--set", "chain.spheres=8",
+                                       "--band-from", "5e3", "--plot", folder.file("p.svg"), "--json"});
+    ASSERT_EQ(outcome.status, 0) << outcome.err;
+    const double low_hz = outcome.json()["band_20db_low_hz"];
+    EXPECT_LT(low_hz, 36.5e3);
+    EXPECT_THAT(contents(folder.file("p.svg")), HasSubstr(fmt::format("20 dB: {:.4g} to", low_hz / 1e3)));
+}
+
+TEST(Plot, KnowsTheDriveOfTheSamplesBehindALiveChange) {
+    const TemporaryFolder folder;
+    write_text(
+        folder.file("c.json"),
+        R"([{"sample": 2000, "set": {"drive.frequency_hz": 120e3}}, {"sample": 9000, "set": {"chain.preload_n": 0.5}}])");
+    ASSERT_EQ(hertzline({"run", "paper-stream", "--set", "output.duration_s=1ms", "--changes",
+                         folder.file("c.json"), "-o", folder.file("a.h5")})
+                  .status,
+              0);
+    const auto drawn = [&](const char* from) {
+        EXPECT_EQ(hertzline({"plot", folder.file("a.h5"), "-o", folder.file("a.svg"), "--columns", "v_out",
+                             "--from", from})
+                      .status,
+                  0);
+        return contents(folder.file("a.svg"));
+    };
+    EXPECT_THAT(drawn("0"), AllOf(HasSubstr("dotted: live changes"), Not(HasSubstr("f = "))));  // it changes
+    EXPECT_THAT(drawn("0.3ms"), AllOf(HasSubstr("f = 120 kHz"), HasSubstr("dotted: live changes")));
+    EXPECT_THAT(drawn("0.95ms"), AllOf(HasSubstr("f = 120 kHz"), HasSubstr("dotted: live changes")));
+}
+
+TEST(Plot, WarnsOfTimesThatDoNotCountFromZero) {
+    const TemporaryFolder folder;
+    write_text(folder.file("a.csv"), "t_s,v\n-2e-6,0\n-1e-6,1\n0,2\n1e-6,1\n");
+    const Outcome outcome = hertzline({"plot", folder.file("a.csv"), "-o", folder.file("a.svg")});
+    EXPECT_EQ(outcome.status, 0);
+    EXPECT_EQ(outcome.err,
+              "warning: " + folder.file("a.csv") + ": its times begin at -2e-06 s, which becomes 0\n");
+}
+
+TEST(Plot, KeepsThePictureWherePythonDrawsNothing) {
+    const TemporaryFolder folder;
+    write_impulse(folder.file("a.npy"), 500, 10, 1);
+    write_text(folder.file("a.png"), "old");
+    const std::string bin = fs::path(folder.file("x")).parent_path();
+    write_text(folder.file("python3"), "#!/bin/sh\nexit 0\n");
+    fs::permissions(folder.file("python3"), fs::perms::owner_all);
+    const Variable path("PATH", bin);
+    const Outcome outcome = hertzline({"plot", folder.file("a.npy"), "-o", folder.file("a.png")});
+    EXPECT_EQ(outcome.status, 1);
+    EXPECT_THAT(outcome.err, HasSubstr("python3 drew nothing"));
+    EXPECT_EQ(contents(folder.file("a.png")), "old");
+}
+
+TEST(Plot, NamesTheOptionThatIsNoNumber) {
+    const auto fault = [](const Words& words) {
+        return hertzline(with({"plot", "a.csv", "-o", "a.png"}, words)).err;
+    };
+    EXPECT_THAT(fault({"--sample-rate", "20MHz"}),
+                HasSubstr("--sample-rate: found \"20MHz\", allowed: a number;"));
+    EXPECT_THAT(fault({"--frames", "1.5"}), HasSubstr("--frames: found \"1.5\", allowed: a whole number;"));
+}
+
 TEST(Plot, DrawsTheColumnsThatAreNamed) {
     const TemporaryFolder folder;
     hertzline({"run", "paper-vitreous-carbon", "-o", folder.file("a.npy"), "--all"});
@@ -140,23 +220,6 @@ TEST(Plot, DrawsAChainAsAMapOfItsSpheresOverTime) {
     EXPECT_THAT(contents(folder.file("b.svg")), HasSubstr("v20_m_per_s"));
 }
 
-/// Writes a recording of v_out: `level` everywhere, and a single sample of another one.
-void write_impulse(const std::string& file, std::int64_t samples, std::int64_t place, double impulse,
-                   double level = 0, const Json& provenance = Json::object()) {
-    RecordingHead head = recording_head({"v_out_m_per_s"}, 1e6, NumberType::float32);
-    head.provenance.update(provenance);
-    const auto writer = open_recording(file, head);
-    constexpr std::int64_t portion = 1 << 16;
-    for (std::int64_t first = 0; first < samples; first += portion) {
-        std::vector<double> rows(static_cast<std::size_t>(std::min(portion, samples - first)), level);
-        if (place >= first && place - first < std::ssize(rows)) {
-            rows[static_cast<std::size_t>(place - first)] = impulse;
-        }
-        writer->write(first, rows);
-    }
-    writer->commit();
-}
-
 TEST(Plot, DrawsAllSamplesOfALongRecording) {
     const TemporaryFolder folder;
     write_impulse(folder.file("a.npy"), 2'500'000, 2'400'000, 0.75);
@@ -183,7 +246,7 @@ TEST(Plot, DrawsAWindowOfTime) {
     EXPECT_EQ(peak("50ms", "50 ms"), "error: --to: found \"50 ms\", allowed: more than --from\n");
     EXPECT_EQ(peak("50001us", "0.1"), "peak 0.25");
     EXPECT_EQ(peak("0", "49.999 ms"), "peak 0.25");
-    EXPECT_THAT(peak("0.2", "0.3"), HasSubstr("has no samples in this window: it ends at 0.1 s"));
+    EXPECT_THAT(peak("0.2", "0.3"), HasSubstr("has no samples in this window: it ends at 0.099999 s"));
     EXPECT_THAT(peak("early", "3N"),
                 AllOf(HasSubstr("--from: found \"early\""), HasSubstr("--to: found \"3N\"")));
 }
@@ -202,8 +265,10 @@ TEST(Plot, MarksLiveChanges) {
     };
     EXPECT_THAT(drawn({}),
                 AllOf(HasSubstr("dotted: live changes"), HasSubstr("<!--  1 -->"), HasSubstr("<!--  2 -->")));
-    EXPECT_THAT(drawn({"--from", "2ms"}), AllOf(HasSubstr("<!--  2 -->"), Not(HasSubstr("<!--  1 -->"))));
-    EXPECT_THAT(drawn({"--from", "4ms"}), Not(HasSubstr("live changes")));
+    // the one in force at the left edge, too
+    EXPECT_THAT(drawn({"--from", "2ms"}), AllOf(HasSubstr("<!--  1 -->"), HasSubstr("<!--  2 -->")));
+    EXPECT_THAT(drawn({"--from", "4ms"}), AllOf(Not(HasSubstr("<!--  1 -->")), HasSubstr("<!--  2 -->")));
+    EXPECT_THAT(drawn({"--to", "0.5ms"}), Not(HasSubstr("live changes")));
 }
 
 TEST(Plot, DrawsSeveralRecordingsOverEachOther) {
@@ -319,6 +384,18 @@ TEST(Plot, RefusesWrongNamesOfASweepWithAllThatThereAre) {
         hertzline({"plot", folder.file("s.csv"), folder.file("s.csv"), "-o", folder.file("s.png")});
     EXPECT_EQ(two.status, 2);
     EXPECT_THAT(two.err, HasSubstr("found a sweep among several files"));
+}
+
+TEST(Plot, NamesTheRowOfATableThatIsCutShort) {
+    const TemporaryFolder folder;
+    const std::string table = folder.file("s.csv");
+    ASSERT_EQ(hertzline({"sweep", "paper-wall", "--vary", "end.material=pyrex,acrylic", "-o", table}).status,
+              0);
+    const std::string whole = contents(table);
+    write_text(table, whole.substr(0, whole.find("acrylic") + 40));
+    const Outcome cut = hertzline({"plot", table, "-o", folder.file("s.png")});
+    EXPECT_EQ(cut.status, 1);
+    EXPECT_THAT(cut.err, HasSubstr("row 2 behind the header: found "));
 }
 
 TEST(Plot, NamesATableThatIsCutShort) {

@@ -15,6 +15,17 @@ from support import InAFolder, program, short_scene
 import hertzline
 
 
+def recorded(samples, columns, rate=1e6):
+    """columns: quantity and unit by name"""
+    from hertzline import _draw
+    return _draw.recording_of(samples, {"columns": [(name, *about) for name, about in columns.items()], "sample_rate_hz": rate})
+
+
+def drawn(recordings):
+    from hertzline import _draw
+    return _draw.draw(recordings, "")
+
+
 class Pictures(InAFolder):
     def check(self, figure, panels):
         self.assertEqual(len(figure.axes), panels)
@@ -90,6 +101,132 @@ class Pictures(InAFolder):
             for line in wave.get_lines():
                 self.assertLessEqual(max(line.get_xdata()), wave.get_xlim()[1])
         matplotlib.pyplot.close(figure)
+
+    def test_the_map_of_chosen_spheres_names_them(self):
+        t = np.arange(400) / 1e6
+        numbers = [1, 5, 9, 20]
+        samples = {"t_s": t, **{f"v{k}_m_per_s": np.sin(k * t) for k in numbers}}
+        figure = drawn([recorded(samples, {f"v{k}_m_per_s": ("v_chain", "m/s") for k in numbers})])
+        axes = next(axes for axes in figure.axes if axes.images)
+        rows = dict(zip((text.get_text() for text in axes.get_yticklabels()), axes.get_yticks()))
+        self.assertEqual([rows[str(k)] for k in numbers], [1, 2, 3, 4])
+        matplotlib.pyplot.close(figure)
+
+    def test_units_have_panels_of_their_own(self):
+        t = np.arange(100) / 1e6
+        velocity = recorded({"t_s": t, "v": np.ones(100)}, {"v": ("v", "m/s")})
+        force = recorded({"t_s": t, "f": np.ones(100)}, {"f": ("f", "N")})
+        figure = drawn([velocity, force])
+        self.assertEqual([axes.get_ylabel() for axes in figure.axes[::2]], ["v [m/s]", "f [N]"])
+        matplotlib.pyplot.close(figure)
+        other = recorded({"t_s": t, "w": np.ones(100)}, {"w": ("w", "m/s")})
+        figure = drawn([velocity, other])  # one unit: together, named
+        self.assertEqual((len(figure.axes), figure.axes[0].get_ylabel()), (2, "[m/s]"))
+        self.assertEqual([text.get_text()[:3] for text in figure.axes[0].get_legend().get_texts()], [" v:", " w:"])
+        matplotlib.pyplot.close(figure)
+
+    def test_columns_of_elements_keep_their_numbers(self):
+        samples = {"t_s": np.arange(100) / 1e6, **{name: np.ones(100) for name in ("v_last_1_m_per_s", "v_last_2_m_per_s", "v_last_m_per_s")}}
+        figure = drawn([recorded(samples, {name: ("v_last", "m/s") for name in samples if name != "t_s"})])
+        self.assertEqual([axes.get_ylabel() for axes in figure.axes[::2]], ["v_last_1 [m/s]", "v_last_2 [m/s]", "v_last [m/s]"])
+        matplotlib.pyplot.close(figure)
+
+    def test_samples_between_gaps_are_dots(self):
+        figure = drawn([recorded({"t_s": np.array([0, 1, 2, 5, 9, 10]) / 1e6, "v": np.array([0, 0, 0, 7.0, 0, 0])}, {"v": ("v", "m/s")})])
+        dots, = [line for line in figure.axes[0].lines if line.get_marker() == "."]
+        self.assertTrue(np.allclose(dots.get_xydata(), [[5, 7]]))
+        matplotlib.pyplot.close(figure)
+
+    def test_the_last_stretch_ends_with_the_recording(self):
+        for count in (16_385, 100_003):
+            v = np.zeros(count)
+            v[[0, -1]] = 1
+            recording = recorded({"t_s": np.arange(count) / 1e6, "v": v}, {"v": ("v", "m/s")})
+            self.assertTrue(recording.ends[0] <= recording.t[0] and recording.t[-1] <= recording.ends[1])
+            figure = drawn([recording])
+            begin, end = figure.axes[0].get_xlim()
+            x, y = figure.axes[0].lines[0].get_data()
+            self.assertEqual((y[(x >= begin) & (x < x.mean())].max(), y[(x <= end) & (x > x.mean())].max()), (1, 1))
+            matplotlib.pyplot.close(figure)
+
+    def test_a_drive_that_changes_is_that_of_the_samples(self):
+        from hertzline import _draw
+        about = {"columns": [("v", "v", "m/s")], "sample_rate_hz": 1e6,
+                 "provenance": {"scene": {"drive": {"frequency_hz": 73e3}}, "changes": [
+                     {"epoch": 1, "sample": 50, "set": {"chain.preload_n": 1}}, {"epoch": 2, "sample": 100, "set": {"drive.frequency_hz": 1e5}}]}}
+        for first, end, drive, lowest, epochs in ((0, 300, None, 36.5e3, [(1, 50e-6), (2, 100e-6)]), (0, 90, 73e3, 36.5e3, [(1, 50e-6)]),
+                                                  (60, 90, 73e3, 36.5e3, [(1, 60e-6)]), (100, 300, 1e5, 5e4, [(2, 100e-6)])):
+            t = np.arange(first, end) / 1e6
+            recording = _draw.recording_of({"t_s": t, "v": np.sin(t * 1e6)}, about)
+            self.assertEqual((recording.drive, recording.lowest(), recording.epochs), (drive, lowest, epochs))
+        about["provenance"]["changes"] = [{"epoch": "x"}, 3]  # from outside
+        self.assertEqual(_draw.recording_of({"t_s": t, "v": t}, about).drive, 73e3)
+
+    def test_several_drives_have_no_lines_in_common(self):
+        from hertzline._draw import waveforms
+        v = {"t_s": np.arange(1000) / 1e6, "v": np.sin(np.arange(1000))}
+        one, other, unknown = (recorded(v, {"v": ("v", "m/s")}) for _ in range(3))
+        one.drive, other.drive = 73e3, 1e5
+        self.assertEqual(waveforms.common_drive([one, unknown]), (73e3, 73e3))
+        self.assertEqual(waveforms.common_drive([one, other]), (None, 1e5))
+        self.assertEqual((unknown.lowest(73e3), unknown.lowest(), other.lowest(73e3)), (36.5e3, 0, 5e4))
+        other.band_from = 5e3
+        self.assertEqual(other.lowest(73e3), 5e3)
+        figure = drawn([one, other])
+        self.assertEqual(figure.axes[1].get_xlabel(), "frequency [kHz]")
+        matplotlib.pyplot.close(figure)
+
+    def test_a_rate_below_the_drive_is_no_silence(self):
+        recording = recorded({"t_s": np.arange(1000) / 6e4, "v": np.sin(np.arange(1000))}, {"v": ("v", "m/s")}, rate=6e4)
+        recording.drive = 73e3
+        figure = drawn([recording])
+        self.assertRegex(figure.axes[1].get_title(loc="right"), "half the sample rate is below 36.5 kHz")
+        matplotlib.pyplot.close(figure)
+
+    def test_cells_of_a_map_surround_their_points(self):
+        from hertzline._draw import sweeps
+        x = np.geomspace(1e-3, 10, 5)
+        edges = sweeps.edges_of(x, "log", within=False)
+        self.assertTrue(np.allclose(edges[1:] / edges[:-1], 10) and np.allclose(np.sqrt(edges[1:] * edges[:-1]), x))
+        self.assertTrue(np.allclose(sweeps.edges_of([0, 1, 3], "linear", within=False), [-0.5, 0.5, 2, 4]))
+        self.assertTrue(np.allclose(sweeps.edges_of([0, 1, 3], "linear", within=True), [0, 0.5, 2, 3]))
+        table = hertzline.sweep(short_scene(), {"chain.preload_n": np.geomspace(1e-2, 1, 4), "end.thickness_m": np.geomspace(1e-4, 1e-2, 3)})
+        figure = table.plot(["peak_v_out_m_per_s"])
+        mesh, = figure.axes[0].collections
+        self.assertTrue(np.allclose(mesh.get_array().reshape(4, 3), table["peak_v_out_m_per_s"].reshape(4, 3)))
+        (left, right), (low, high) = figure.axes[0].get_xlim(), figure.axes[0].get_ylim()
+        self.assertTrue(left < 1e-4 and right > 1e-2 and low < 1e-2 and high > 1)
+        matplotlib.pyplot.close(figure)
+
+    def test_points_that_are_repeated_are_dots(self):
+        from hertzline import _draw
+        columns = {"point": np.arange(4.0), "chain.preload_n": np.array([0.1, 0.1, 0.3, 0.3]), "end.thickness_m": np.array([1, 1, 2, 2.0]),
+                   "status": np.array(["ok"] * 4), "thd_r": np.arange(4.0)}
+        figure = _draw.draw_sweep(_draw.Sweep(columns, {}, {}), ["thd_r"], "")
+        self.assertEqual(len(figure.axes[0].collections[0].get_offsets()), 4)
+        matplotlib.pyplot.close(figure)
+
+    def test_a_search_tells_why_points_do_not_count(self):
+        from hertzline import _draw
+        columns = {"point": np.arange(5.0), "chain.preload_n": np.arange(1.0, 6), "status": np.array(["ok", "ok", "chaotic", "refused", "ok"]),
+                   "thd_r": np.array([1, 2, 3, np.nan, 4]), "peak_v_out_m_per_s": np.array([1, 2, 1, 1, 9.0])}
+        request = {"maximise": "thd_r", "subject_to": ["peak_v_out_m_per_s <= 5"], "vary": ["chain.preload_n=1..5"], "best_point": 1}
+
+        def labels():
+            figure = _draw.draw_sweep(_draw.Sweep(columns, {}, {"search": request}), [], "")
+            matplotlib.pyplot.close(figure)
+            return {line.get_label(): line.get_xdata().tolist() for line in figure.axes[0].lines if line.get_label()[0] != "_"}
+
+        self.assertEqual(labels(), {"beyond a bound": [5], "best": [2], "chaotic": [3], "refused": [4]})
+        columns["status"][:] = "chaotic"
+        self.assertEqual(list(labels()), ["chaotic"])
+
+    def test_waveforms_of_a_sweep_have_the_drive_of_their_point(self):
+        from hertzline._draw import sweeps, tables
+        path = str(self.folder / "s.h5")
+        program("sweep", "paper-wall", "--vary", "drive.frequency_hz=40kHz,80kHz,160kHz", "--waveforms", "f_last", "-o", path)
+        recordings, looked_at = sweeps.waveform_recordings(tables.read_sweep(path), path, "f_last")
+        self.assertEqual(([recording.drive for recording, _ in recordings], looked_at), ([40e3, 80e3, 160e3], 3))
 
     def test_of_a_search(self):
         found = hertzline.optimise(short_scene(), {"chain.preload_n": "0.1..1:log"}, maximise="peak_v_out_m_per_s",

@@ -67,7 +67,7 @@ void load(Journal& journal, const SearchRequest& request, const std::vector<reco
     journal.commit();
 }
 
-void refuse_shortages(const SweepOptions& options, const ValidatedSearch& search) {
+void refuse_search_shortages(const SweepOptions& options, const ValidatedSearch& search) {
     const SearchRequest& request = search.request;
     const int jobs = jobs_of(options);
     const auto points = static_cast<double>(request.evaluations);
@@ -134,7 +134,7 @@ Exit optimise(const OptimiseOptions& options) {
     load(journal, request, earlier ? earlier->rows : std::vector<recordings::TableRow>());
     const UnusedJournal unused(journal, true);
     stop_asked();  // from here on a signal saves the rows
-    refuse_shortages(options.sweep, search);
+    refuse_search_shortages(options.sweep, search);
     StudyProgress progress(request.evaluations);
     SearchJob job(request, journal, jobs_of(options.sweep), stop_asked(),
                   [&](std::int64_t done) { progress.show({{done}}); });

@@ -17,7 +17,7 @@ namespace hertzline::app {
 
 namespace {
 
-constexpr const char* examples =
+constexpr const char* optimise_examples =
     "MEASURE is a number of hertzline run's summary. A sample of the ranges is simulated first, then local "
     "searches start from its best points, then larger samples follow, until the evaluations are used up. "
     "FILE "
@@ -128,7 +128,7 @@ void add_optimise_options(CLI::App& app, OptimiseOptions& options) {
     add_point_options(app, sweep);
     app.add_flag("--resume", sweep.resume, "continue a search, or start one");
     add_format_option(app, sweep.format, "print the summary as JSON");
-    app.footer(examples);
+    app.footer(optimise_examples);
 }
 
 }  // namespace hertzline::app

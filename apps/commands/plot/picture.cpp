@@ -153,6 +153,10 @@ std::optional<int> run_script(const fs::path& folder, recordings::StagedFile& pi
             return std::nullopt;
         }
         const int exit_status = WIFEXITED(*status) ? WEXITSTATUS(*status) : -1;
+        std::error_code unknown;
+        if (exit_status == 0 && fs::file_size(picture.temporary(), unknown) == 0) {
+            recordings::cannot_write(picture.path(), fmt::format("{} drew nothing", python));
+        }
         if (exit_status == 0 || exit_status == plot_not_a_sweep) {
             return exit_status;
         }
@@ -170,8 +174,8 @@ std::optional<int> run_script(const fs::path& folder, recordings::StagedFile& pi
     }
     recordings::cannot_write(
         picture.path(),
-        fmt::format("pictures need Python with matplotlib, those of a sweep in HDF5 h5py, too ({}); "
-                    "on Debian: apt install python3-matplotlib python3-h5py",
+        fmt::format("pictures need Python with matplotlib, those of a sweep in HDF5 h5py, too, movies Pillow "
+                    "({}); on Debian: apt install python3-matplotlib python3-h5py python3-pil",
                     missing.empty() ? "there is no python3" : missing));
 }
 
@@ -214,6 +218,26 @@ Json recorded_drive(const recordings::RecordingHead& head) {
                                                                        : Json(nullptr);
 }
 
+/// Returns the frequencies of the drive in those samples, in turn [Hz]; none where the recording does not say.
+std::vector<double> drive_frequencies(const Json& provenance, std::int64_t begin, std::int64_t end) {
+    const OutsideJson about(provenance);
+    const auto of_scene = about.number("scene/drive/frequency_hz");
+    std::vector<double> frequencies;
+    if (of_scene && *of_scene > 0) {
+        frequencies.push_back(*of_scene);
+    }
+    for (const Json& change : about.at("changes")) {
+        const OutsideJson changed(change);
+        const auto sample = changed.count("sample");
+        const auto set = changed.number("set/drive.frequency_hz");
+        if (sample && *sample < end && set && *set > 0) {
+            frequencies.resize(*sample > begin ? frequencies.size() : 0);
+            frequencies.push_back(*set);
+        }
+    }
+    return frequencies;
+}
+
 /// Returns the script's options for a table.
 std::vector<std::string> options_of(const SweepChoice& choice) {
     std::vector<std::string> options;
@@ -249,24 +273,36 @@ Json description_of(const RecordingOutline& recording) {
     for (const recordings::Column& column : head.columns) {
         columns.push_back({column.name, column.quantity, column.unit});
     }
-    Json epochs = Json::array();  // those that begin in the picture
+    const std::int64_t first = recording.outline.first();
+    Json epochs = Json::array();  // that of the first sample, and those that begin in the picture
     for (const Epoch& epoch : measures::epochs_of(head.provenance, head.sample_rate_hz)) {
-        if (epoch.first_sample > recording.outline.first() && epoch.first_sample < recording.outline.end()) {
-            epochs.push_back({epoch.number, static_cast<double>(epoch.first_sample) / head.sample_rate_hz});
+        if (epoch.first_sample <= first) {
+            epochs.clear();
+        }
+        if (epoch.number > 0 && epoch.first_sample < recording.outline.end()) {
+            epochs.push_back({epoch.number, static_cast<double>(std::max(epoch.first_sample, first)) /
+                                                head.sample_rate_hz});
         }
     }
-    const auto drive = OutsideJson(head.provenance).number("scene/drive/frequency_hz");
+    const Outline::Part& part = recording.outline.longest();
+    const auto part_rows = static_cast<std::int64_t>(part.rows.size() / recording.outline.columns());
+    const std::vector<double> drives = drive_frequencies(head.provenance, part.first, part.first + part_rows);
+    std::optional<double> band_from = recording.band_from_hz;
+    if (!band_from && drives.size() > 1) {
+        band_from = std::ranges::min(drives) / 2;
+    }
     return {{"name", recording.name},
             {"columns", std::move(columns)},
             {"sample_rate_hz", head.sample_rate_hz},
-            {"drive_hz", drive && *drive > 0 ? Json(*drive) : Json(nullptr)},
+            {"drive_hz", drives.size() == 1 ? Json(drives.front()) : Json(nullptr)},
+            {"band_from_hz", band_from ? Json(*band_from) : Json(nullptr)},
             {"drive", recorded_drive(head)},
             {"epochs", std::move(epochs)},
             {"first", recording.outline.first()},
             {"end", recording.outline.end()},
             {"width", recording.outline.width()},
             {"stretches", recording.outline.low(0).size()},
-            {"part_first", recording.outline.longest().first}};
+            {"part_first", part.first}};
 }
 
 }  // namespace

@@ -34,16 +34,19 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr const char* examples =
+constexpr const char* plot_examples =
     "Waveform and spectrum of each column, in dB under the maximum, with the multiples of the drive's "
-    "frequency and the band at -20 dB. Long recordings are drawn as smallest and largest sample of each "
-    "pixel, with a spectrum of the first million samples without a gap; live changes are marked. Several "
-    "recordings lie over each other. Of a sweep: curves over the key that varies, or a map over two, with "
-    "the points that failed marked; with --columns its waveforms. Of a search: its measure over each key. "
-    "Of a field: the beam, with lines at -6, -12 and -20 dB, over a box on three planes through its largest "
-    "value; of one made with --waveforms also the spectrum at a point, "
-    "the pressure over time along a line (waterfall), and over a plane as a movie, an animated GIF. "
-    "Needs Python with matplotlib, for .h5 files h5py.\n"
+    "frequency and the band at -20 dB. The spectrum is that of the samples between --from and --to, at most "
+    "the first million without a gap. Long recordings are drawn as smallest and largest sample of each "
+    "pixel; "
+    "live changes are marked. Several recordings lie over each other; one that does not say its drive has "
+    "the drive of the others, if that is one. Of a sweep: curves over the key that varies, or a map over "
+    "two, "
+    "with the points that failed marked; with --columns its waveforms. Of a search: its measure over each "
+    "key. Of a field: the pressure along a line, or the beam over a plane with lines at -6, -12 and -20 dB, "
+    "over a box on three planes through its largest value; of one made with --waveforms also the spectrum at "
+    "a point, the pressure over time along a line (waterfall), and over a plane as a movie, an animated GIF. "
+    "Needs Python with matplotlib, for .h5 files h5py, for movies Pillow.\n"
     "Examples:\n"
     "  hertzline plot burst.csv -o burst.png\n"
     "  hertzline plot live.h5 -o live.svg --columns v_out,f_last --from 0.5 --to 0.501\n"
@@ -187,7 +190,7 @@ Outline outline_of(recordings::RecordingReader& reader, const std::vector<std::s
         throw std::runtime_error(end == 0 ? printable(file) + " has no samples"
                                           : fmt::format("{} has no samples in this window: it ends at {} s",
                                                         printable(file),
-                                                        number_text(static_cast<double>(end) / rate_hz)));
+                                                        number_text(static_cast<double>(end - 1) / rate_hz)));
     }
     return outline;
 }
@@ -383,11 +386,13 @@ Run plot_command(CLI::App& app) {
                           "draw these outputs or columns only (default: the first six)")
         ->delimiter(',')
         ->type_name("OUTPUT,...");
-    app.add_option("--from", options->from, "draw from this time on, in s or with a unit")->type_name("TIME");
-    app.add_option("--to", options->to, "draw up to this time")->type_name("TIME");
+    app.add_option("--from", options->from,
+                   "draw from this time on, in s or with a unit; of a field with --kind")
+        ->type_name("TIME");
+    app.add_option("--to", options->to, "draw up to this time; of a field with --kind")->type_name("TIME");
     app.add_option("--sample-rate", options->sample_rate_hz, "sample rate of the files, whatever they say")
         ->type_name("HZ");
-    add_repeatable_option(app, "--quantity", options->quantities, "of a sweep: draw these numbers")
+    add_repeatable_option(app, "--quantity", options->quantities, "of a sweep or field: draw these numbers")
         ->delimiter(',')
         ->type_name("QUANTITY,...");
     app.add_option("--kind", options->kind,
@@ -398,7 +403,7 @@ Run plot_command(CLI::App& app) {
         ->type_name("x=..,y=..,z=..");
     app.add_option("--frames", options->frames, "of a movie (default: eight for each period of the drive)")
         ->type_name("N");
-    app.footer(examples);
+    app.footer(plot_examples);
     return [options] { return plot(*options); };
 }
 

@@ -38,7 +38,7 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr const char* examples =
+constexpr const char* run_examples =
     "wall_s and real_time_factor measure the simulation alone: no choice of the step, no files, no "
     "spectrum. docs/measures.md explains every number.\n"
     "Examples:\n"
@@ -247,7 +247,8 @@ Exit run(const RunOptions& options) {
         return Exit::failed;
     }
     bool saved = save_spectra(options.spectra, run, head.provenance);
-    saved = !stop_was_asked() && save_picture(options.picture, run, head.provenance, options.scene.scene) &&
+    saved = !stop_was_asked() &&
+            save_picture(options.picture, run, head.provenance, options.scene.scene, options.band_from_hz) &&
             saved;
     if (stop_was_asked()) {
         spdlog::error("stopped before the summary");
@@ -302,7 +303,7 @@ Run run_command(CLI::App& app) {
         ->type_name("HZ");
     add_target_option(app);
     add_format_option(app, options->format, "print the summary as one JSON object");
-    app.footer(examples);
+    app.footer(run_examples);
     return [options] { return run(*options); };
 }
 

@@ -51,12 +51,12 @@ recordings::RecordingHead head_of(const hertzline::Run& run, const Json& provena
 
 /// @returns false when stopped meanwhile
 bool draw(const std::string& file, const hertzline::Run& run, const recordings::RecordingHead& head,
-          const std::string& title) {
+          const std::string& title, std::optional<double> band_from_hz) {
     constexpr std::size_t portion = 1 << 14;  // rows
     const std::size_t columns = head.columns.size();
     std::vector<std::size_t> all(columns);
     std::iota(all.begin(), all.end(), std::size_t{0});
-    RecordingOutline drawn{title, head, Outline(std::move(all), columns)};
+    RecordingOutline drawn{title, head, Outline(std::move(all), columns), band_from_hz};
     std::vector<double> rows;
     for (std::size_t first = 0; first < run.rows(); first += portion) {
         const std::size_t count = std::min(portion, run.rows() - first);
@@ -101,14 +101,14 @@ bool save_spectra(std::span<const std::string> files, const hertzline::Run& run,
 }
 
 bool save_picture(const std::string& file, const hertzline::Run& run, const Json& provenance,
-                  const std::string& title) {
+                  const std::string& title, std::optional<double> band_from_hz) {
     if (file.empty()) {
         return true;
     }
     note_when_asked();  // from here on there are files to be cleaned up
     bool drawn = false;
     try {
-        drawn = draw(file, run, head_of(run, provenance), printable(title));
+        drawn = draw(file, run, head_of(run, provenance), printable(title), band_from_hz);
     } catch (const std::runtime_error& error) {
         spdlog::error(error.what());
     }

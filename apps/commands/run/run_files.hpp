@@ -1,6 +1,7 @@
 #pragma once
 // Files of a run beside its recordings: spectra (--spectrum) and a picture (--plot).
 
+#include <optional>
 #include <span>
 #include <string>
 
@@ -19,8 +20,8 @@ void check_spectra(std::span<const std::string> spectra, std::span<const std::st
 bool save_spectra(std::span<const std::string> files, const hertzline::Run& run, const Json& provenance);
 
 /// Draws the taps of the record; nothing where no file is named. Reports a picture that cannot be drawn.
-/// @param title stands above @returns whether it was drawn
+/// @param title stands above @param band_from_hz as SpectrumAnalyser::analyse @returns whether it was drawn
 bool save_picture(const std::string& file, const hertzline::Run& run, const Json& provenance,
-                  const std::string& title);
+                  const std::string& title, std::optional<double> band_from_hz);
 
 }  // namespace hertzline::app

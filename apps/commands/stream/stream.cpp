@@ -38,7 +38,7 @@ namespace hertzline::app {
 
 namespace {
 
-constexpr const char* examples =
+constexpr const char* stream_examples =
     "Streams: v_out, v_last, v_plate, v_chain, v_horn, x_horn, f_first, f_last, f_chain, each as NAME/np and "
     "NAME/raw; "
     "of a modal plate v_centre, v_face, p_axis and p_points instead of v_plate.\n"
@@ -75,9 +75,9 @@ TapSet taps_to_record(const StreamOptions& arguments, const Scene* scene, Faults
                                 scene == nullptr ? streamed_taps : streamed_taps_of(*scene), faults);
 }
 
-void refuse_shortages(const StreamOptions& arguments, const Scene& scene,
-                      const stream::StreamOptions& options, const stream::PublisherOptions& publishing,
-                      TapSet recorded) {
+void refuse_stream_shortages(const StreamOptions& arguments, const Scene& scene,
+                             const stream::StreamOptions& options, const stream::PublisherOptions& publishing,
+                             TapSet recorded) {
     const double memory = stream::SimulationSource::memory_bytes(scene) +
                           stream_bytes(stream::SimulationSource::format_of(scene), options.pace, publishing) +
                           memory_of_recordings(scene, recorded, arguments.recordings.size());
@@ -230,7 +230,7 @@ Exit stream(const StreamOptions& arguments) {
     options.about = measures::provenance_json(asked.resolved, options.run);
     const stream::PublisherOptions publishing =
         publisher_options(arguments.publish, stream::SimulationSource::format_of(scene), asked.curve);
-    refuse_shortages(arguments, scene, options, publishing, asked.recorded);
+    refuse_stream_shortages(arguments, scene, options, publishing, asked.recorded);
     stop_asked();  // from here on there are files to be cleaned up
     const auto drive_files =
         is_live(scene) ? drive_files_of(arguments.recordings) : std::vector<std::filesystem::path>{};
@@ -311,7 +311,7 @@ Run stream_command(CLI::App& app) {
     add_publish_options(app, arguments->publish, "drop; where samples are recorded: wait");
     add_control_options(app, arguments->control);
     add_scope_child_options(app, arguments->scope);
-    app.footer(examples);
+    app.footer(stream_examples);
     return [arguments] {
         if (arguments->drive) {
             if (!is_utf8(*arguments->drive)) {

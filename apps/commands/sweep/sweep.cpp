@@ -44,8 +44,8 @@ std::vector<std::int64_t> missing_points(const Study& study, const Journal& jour
     return missing;
 }
 
-void refuse_shortages(const SweepOptions& options, const ValidatedSweep& sweep, std::size_t missing,
-                      int jobs) {
+void refuse_sweep_shortages(const SweepOptions& options, const ValidatedSweep& sweep, std::size_t missing,
+                            int jobs) {
     const Study& study = sweep.study;
     const double points_bytes = 16 * static_cast<double>(study.plan.size());  // the list of missing points
     const double journal =
@@ -152,7 +152,7 @@ Exit run_sweep(const SweepOptions& options) {
                      printable_whole(journal.path().string()));
     }
     const UnusedJournal unused(journal, !missing.empty());
-    refuse_shortages(options, *sweep, missing.size(), jobs);
+    refuse_sweep_shortages(options, *sweep, missing.size(), jobs);
     PointCounts counts = finished;
     run_to_journal(journal, [&] { counts += run_missing(study, journal, missing, jobs); });
     const std::string done = fmt::format("{} of {} points", counts.all(), all);

@@ -23,7 +23,7 @@ namespace hertzline::app {
 
 namespace {
 
-constexpr const char* examples =
+constexpr const char* sweep_examples =
     "A range is FROM..TO:COUNT[:lin|log], a list A,B,C. Several --vary make a grid, of which the last one "
     "varies fastest. A row of the file is a point: the keys that vary, status, the numbers of hertzline run, "
     "and a message. A point that cannot be simulated is a row with its reason. FILE.journal holds the rows "
@@ -239,7 +239,7 @@ void add_sweep_options(CLI::App& app, SweepOptions& options) {
         ->expected(1, -1)
         ->type_name("JOURNAL");
     add_format_option(app, options.format, "print the rows as JSON, a line each");
-    app.footer(examples);
+    app.footer(sweep_examples);
 }
 
 }  // namespace hertzline::app

@@ -5,7 +5,7 @@ import json
 import matplotlib.pyplot as plt
 import numpy as np
 
-from .recordings import drive_frequency, furthest_from_0, recording_of
+from .recordings import drive_frequencies, furthest_from_0, recording_of
 from .style import COLOURS, WrongUse, titled, unit_of_time, use_style
 from .tables import open_hdf5
 from .waveforms import draw
@@ -25,7 +25,8 @@ class Waveforms:
     """The samples of a field that lie in a window of time."""
 
     def __init__(self, field, samples, about, window):
-        self.field, self.samples, self.drive = field, samples, drive_frequency({"provenance": about})
+        self.field, self.samples = field, samples
+        self.drive = next(iter(drive_frequencies({"provenance": about})), None)
         self.rate = about["scene"]["output"]["sample_rate_hz"]
         nearly = 1e-6  # of a sample, as times are rounded
         begin, end = window
@@ -95,7 +96,7 @@ def point_at(field, place_m):
 def draw_spectrum_at(waves, places, title):
     """Waveform and spectrum at the points, or at the one with the largest peak."""
     field = waves.field
-    points = [point_at(field, place_m) for place_m in places] or [int(np.nanargmax(field.columns["peak_pa"]))]
+    points = [point_at(field, place_m) for place_m in places] or [int(np.argmax(waves.chosen(lambda part: np.abs(part).max(axis=1))))]
     if len(points) > len(COLOURS):
         raise WrongUse(f"--at: found {len(points)} points, allowed: {len(COLOURS)} at most")
     keys = [key for key in field.keys if len(np.unique(field.columns[key][points])) > 1]
@@ -174,7 +175,7 @@ def draw_movie(waves, frames, title):
     axes.set_ylabel(label_y)
     figure.colorbar(image, ax=axes, label=f"pressure [{unit}]")
     titled(figure, f"{title}: {fixed(field, [fast, slow])}")
-    digits = 1 if unit_s < 1 else 4
+    digits = max(1, int(np.ceil(-np.log10(np.diff(t).min() / unit_s))) + 1)  # frames that follow each other differ
     for number, time in enumerate(t):
         image.set_array(pressure[:, number].reshape(shape) / scale)
         axes.set_title(f"t = {time / unit_s:.{digits}f} {unit_t}", fontsize=10)

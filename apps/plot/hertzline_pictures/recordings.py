@@ -21,7 +21,7 @@ class Recording:
     name: str
     columns: list  # (name, quantity, unit)
     rate: float  # [Hz]
-    drive: float  # its frequency [Hz]; None: the recording does not say
+    drive: float  # its frequency [Hz]; None: the recording does not say, or it changes
     epochs: list  # (number, beginning [s]) of those that begin in the picture
     t: object  # middle of each stretch [s]
     ends: tuple  # [s]
@@ -31,6 +31,11 @@ class Recording:
     parts: list  # [column], samples without a gap
     part_from: float  # [s]
     record: tuple = None  # that drove the horn: quantity, times [s], values
+    band_from: float = None  # where the search for the maximum and for bands begins [Hz]; None: at half the drive's frequency
+
+    def lowest(self, drive=None):
+        """Where bands begin [Hz]. drive: of the recordings beside it, for one that does not say its own"""
+        return self.band_from if self.band_from is not None else (self.drive or drive or 0) / 2
 
 
 def reduced_recordings(path):
@@ -45,14 +50,15 @@ def reduced_recording(about, folder):
     outline, parts = np.split(numbers, [2 * columns * about["stretches"]])
     outline = outline.reshape(columns, 2, -1)
     return Recording(about["name"], about["columns"], rate, about["drive_hz"], about["epochs"],
-                     middles(about["first"], width, about["stretches"], rate), (about["first"] / rate, (about["end"] - 1) / rate),
+                     middles(about["first"], about["end"], width, rate), (about["first"] / rate, (about["end"] - 1) / rate),
                      width == 1, list(outline[:, 0]), list(outline[:, 1]), list(parts.reshape(columns, -1)),
-                     about["part_first"] / rate, record_of(about["drive"]))
+                     about["part_first"] / rate, record_of(about["drive"]), about["band_from_hz"])
 
 
-def middles(first, width, count, rate):
-    """The middle of each stretch [s]."""
-    return (first + width * np.arange(count) + (width - 1) / 2) / rate
+def middles(first, end, width, rate):
+    """The middle of each stretch [s]; the last one may be shorter."""
+    begins = np.arange(first, end, width)
+    return (begins + np.minimum(begins + width, end) - 1) / 2 / rate
 
 
 def recording_of(samples, about, name=""):
@@ -74,9 +80,10 @@ def recording_of(samples, about, name=""):
             values.append(np.full(stretch[-1] + 1, np.nan))
             values[-1][stretch[begins]] = choose.reduceat(v, begins)
         parts.append(v[part])
-    return Recording(name, about["columns"], rate, drive_frequency(about), epochs_in(about, index / rate),
-                     middles(index[0], width, stretch[-1] + 1, rate), (index[0] / rate, index[-1] / rate), width == 1, low, high, parts,
-                     index[part.start] / rate, record_of(drive_of(about)))
+    drives = drive_frequencies(about, index[part.start], index[part.stop - 1] + 1)
+    return Recording(name, about["columns"], rate, drives[0] if len(drives) == 1 else None, epochs_in(about, index / rate),
+                     middles(index[0], index[-1] + 1, width, rate), (index[0] / rate, index[-1] / rate), width == 1, low, high, parts,
+                     index[part.start] / rate, record_of(drive_of(about)), min(drives) / 2 if len(drives) > 1 else None)
 
 
 def read(path):
@@ -94,13 +101,25 @@ def drive_of(about):
         return None
 
 
-def drive_frequency(about):
-    """In Hz; None: the recording does not say."""
+def changes_of(about):
+    """The live changes of the scene, in turn."""
     try:
-        frequency = float(drive_of(about)["frequency_hz"])
-        return frequency if frequency > 0 else None
+        return [change for change in about["provenance"]["changes"] if isinstance(change["epoch"], int) and change["sample"] >= 0]
+    except (KeyError, TypeError):
+        return []
+
+
+def drive_frequencies(about, begin=0, end=1):
+    """Those of the samples from `begin` up to `end`, in turn [Hz]; empty: the recording does not say."""
+    try:
+        frequencies = [float(drive_of(about)["frequency_hz"])]
+        for change in changes_of(about):
+            if change["sample"] < end and "drive.frequency_hz" in change["set"]:
+                frequencies = frequencies if change["sample"] > begin else []
+                frequencies.append(float(change["set"]["drive.frequency_hz"]))
+        return frequencies if min(frequencies) > 0 else []
     except (KeyError, TypeError, ValueError):
-        return None
+        return []
 
 
 def record_of(drive):
@@ -115,12 +134,10 @@ def record_of(drive):
 
 
 def epochs_in(about, t):
-    """Number and beginning [s] of the epochs that live changes began."""
-    try:
-        changes = [(change["epoch"], change["sample"] / about["sample_rate_hz"]) for change in about["provenance"]["changes"]]
-    except (KeyError, TypeError):
-        return []
-    return [(number, begin) for number, begin in changes if t[0] < begin <= t[-1]]
+    """Number and beginning [s] of the epochs that live changes began; one that began before t at its first time."""
+    epochs = [(change["epoch"], change["sample"] / about["sample_rate_hz"]) for change in changes_of(about)]
+    before = [(number, t[0]) for number, begin in epochs if begin <= t[0]][-1:]
+    return before + [(number, begin) for number, begin in epochs if t[0] < begin <= t[-1]]
 
 
 def longest_part(index):

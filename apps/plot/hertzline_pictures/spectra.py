@@ -47,15 +47,15 @@ def levels_up_to(highest, frequency, amplitude):
     return frequency[begins], 20 * np.log10(np.maximum(np.maximum.reduceat(amplitude[:shown], begins), 1e-15))
 
 
-def draw_spectrum(axes, v, rate, drive, highest, colour):
-    """Draws the levels. Returns the band at -20 dB as text."""
-    lowest = drive / 2 if drive else 0
+def draw_spectrum(axes, v, rate, lowest, highest, style, shaded):
+    """Draws the levels, under the maximum from `lowest` upward. Returns the band at -20 dB as text."""
     lines = spectrum(v, rate, lowest)
     if lines is None:
-        return "silence"
+        return "silence" if lowest <= rate / 2 else f"no level: half the sample rate is below {lowest / 1e3:.4g} kHz"
     low, high = (edge / 1e3 for edge in band_of(*lines, lowest, -20))
-    axes.axvspan(low, high, color=colour, alpha=0.08, lw=0)
     frequency, level = levels_up_to(highest, *lines)
-    axes.fill_between(frequency / 1e3, level, SPAN_DB[0], color=colour, alpha=0.15, lw=0)
-    axes.plot(frequency / 1e3, level, color=colour, lw=0.8)
+    axes.plot(frequency / 1e3, level, lw=0.8, **style)
+    if shaded:
+        axes.axvspan(low, high, color=style["color"], alpha=0.08, lw=0)
+        axes.fill_between(frequency / 1e3, level, SPAN_DB[0], color=style["color"], alpha=0.15, lw=0)
     return f"\u221220 dB: {low:.4g} to {high:.4g} kHz"

@@ -2,7 +2,10 @@
 import matplotlib
 import numpy as np
 
-COLOURS = ["#0b6e8a", "#c46a1b", "#5f7f96", "#b03a2e", "#4f7a3a", "#6b4c8a"]
+# Readers with deuteranopia, protanopia or tritanopia can tell them apart (Machado et al. 2009, doi:10.1109/TVCG.2009.113).
+COLOURS = ["#0b6e8a", "#c46a1b", "#202040", "#8a8a6a", "#c04fd8", "#2fc4c4"]
+DASHES = ["solid", (0, (5, 1.5)), (0, (1.2, 1.2)), (0, (5, 1.5, 1.2, 1.5))]
+LONGEST_NAME = 36
 STYLE = {
     "text.usetex": False,
     "font.family": "DejaVu Sans",
@@ -28,6 +31,16 @@ def plain_text(text):
     return (" " if text.startswith("_") else "") + text.replace("$", r"\$")
 
 
+def line_style(number):
+    """Colour and dashes of the curve with that number: the colours first, then the same ones dashed."""
+    return {"color": COLOURS[number % len(COLOURS)], "ls": DASHES[number // len(COLOURS) % len(DASHES)]}
+
+
+def shortened(name, most=LONGEST_NAME):
+    """The name without its middle, if it is long: beginnings and ends tell files apart."""
+    return name if len(name) <= most else f"{name[:most // 2]}\u2026{name[-(most // 2):]}"
+
+
 def use_style(**more):
     matplotlib.rcParams.update(STYLE | {"font.size": 9} | more)
 
@@ -42,9 +55,9 @@ def unit_of_time(span):
     return (1e-6, "\u00b5s") if span < 2e-3 else (1e-3, "ms") if span < 2 else (1, "s")
 
 
-def note(axes, texts):
-    axes.text(0.985, 0.95, "\n".join(texts), transform=axes.transAxes, ha="right", va="top", fontsize=8,
-              bbox={"facecolor": "white", "alpha": 0.8, "edgecolor": "none", "pad": 1.5} if texts else None)
+def note(axes, texts, above=0):
+    """Text over the axes, where it hides no curve. above: [points]"""
+    axes.set_title("\n".join(texts), loc="right", fontsize=8, pad=3 + above)
 
 
 def titled(figure, title):

@@ -5,7 +5,7 @@ import json
 
 import numpy as np
 
-from .recordings import drive_frequency
+from .recordings import drive_frequencies
 from .style import WrongUse
 
 
@@ -64,6 +64,11 @@ def read_csv_table(path):
             names, *rows = csv.reader(file)
     except (OSError, ValueError, csv.Error) as error:
         raise Unreadable(path, error) from error
+    for number, row in enumerate(rows, 1):
+        if len(row) != len(names):
+            raise Unreadable(path, f"row {number} behind the header: found {len(row)} cells, allowed: {len(names)}")
+    if not rows:
+        raise Unreadable(path, "it has no rows")
     units, provenance = {}, {}
     try:
         with open(path + "-metadata.json", encoding="utf-8") as file:
@@ -139,7 +144,8 @@ def read_sweep(path):
 
 
 def read_waveforms(path, name):
-    """Samples of each point, NaN after its last one, their unit, and the rate of each point [Hz]."""
+    """Samples of each point, NaN after its last one, their unit, and of each point its rate, its drive's frequency [Hz], NaN without one,
+    and its number."""
     with open_hdf5(path) as file:
         there = [key for key in file if key != "points"]
         if name not in there:
@@ -148,8 +154,11 @@ def read_waveforms(path, name):
         if samples.ndim > 2:
             raise WrongUse(f"--columns: found {name} with {samples.shape[2]} channels, allowed: an output with one")
         provenance = object_in(file.attrs.get("provenance"))
-        key = "output.sample_rate_hz"
-        rate = table[key][:] if key in table.dtype.names else np.full(len(table), provenance["scene"]["output"]["sample_rate_hz"])
-        drive = drive_frequency({"provenance": provenance})
+
+        def of_points(key, otherwise):
+            return table[key] if key in table.dtype.names else np.full(len(table), otherwise)
+
+        rates = of_points("output.sample_rate_hz", provenance["scene"]["output"]["sample_rate_hz"])
+        drives = of_points("drive.frequency_hz", next(iter(drive_frequencies({"provenance": provenance})), np.nan))
         chosen = np.unique(np.linspace(0, len(table) - 1, min(len(table), MAX_WAVEFORMS)).astype(int))
-        return samples[list(chosen)], samples.attrs.get("units", ""), rate[chosen], drive, chosen
+        return samples[list(chosen)], samples.attrs.get("units", ""), rates[chosen], drives[chosen], chosen

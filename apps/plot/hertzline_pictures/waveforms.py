@@ -7,11 +7,14 @@ from matplotlib.collections import LineCollection
 
 from .recordings import MAX_STRETCHES, furthest_from_0
 from .spectra import HARMONICS, draw_spectrum, prepare_spectrum
-from .style import COLOURS, note, plain_text, scale_of_unit, titled, unit_of_time, use_style
+from .style import line_style, note, plain_text, scale_of_unit, shortened, titled, unit_of_time, use_style
 
 FEWEST_ROWS = 4  # of a map of a chain over time; fewer spheres have a waveform each
 OF_CHAIN = {"v_chain": "velocity", "x_chain": "displacement", "f_chain": "force"}
 MAX_NUMBERED = 30  # epochs
+MAX_NAMED = 10  # recordings, in a legend
+MAX_SHADED = 3  # spectra
+MAX_ROW_NUMBERS = 15  # beside a map
 
 
 def draw_record(axes, recording, column, unit_s, scale):
@@ -28,12 +31,18 @@ def joined(values, others):
     return np.column_stack((values, others)).ravel()
 
 
-def draw_waveform(axes, recording, column, unit_s, scale, colour):
-    low, high = recording.low[column] / scale, recording.high[column] / scale
+def draw_waveform(axes, recording, column, unit_s, scale, style):
+    """Returns the line. Samples between two gaps are points."""
+    low, high, t = recording.low[column] / scale, recording.high[column] / scale, recording.t / unit_s
     if recording.each:
-        axes.plot(recording.t / unit_s, low, color=colour, lw=0.8)
+        line, = axes.plot(t, low, lw=0.8, **style)
     else:
-        axes.plot(np.repeat(recording.t, 2) / unit_s, joined(low, high), color=colour, lw=0.8, solid_joinstyle="bevel")
+        line, = axes.plot(np.repeat(t, 2), joined(low, high), lw=0.8, solid_joinstyle="bevel", **style)
+    there = np.concatenate(([False], np.isfinite(low), [False]))
+    alone = there[1:-1] & ~there[:-2] & ~there[2:]
+    if alone.any():
+        axes.plot(t[alone], high[alone], ls="none", marker=".", ms=3, color=style["color"])
+    return line
 
 
 def mark_epochs(axes, recording, unit_s, colour):
@@ -52,14 +61,21 @@ def largest_of(recording, column):
 
 
 def panels_of(recordings):
-    """The columns of each panel: (recording, index of its column). Recordings of one column each share a panel."""
-    if all(len(recording.columns) == 1 for recording in recordings):
-        return [[(recording, 0) for recording in recordings]]
+    """The columns of each panel, (recording, index of its column): those of one name and unit. Recordings of one column each share a panel
+    if their units are the same."""
+    alone = all(len(recording.columns) == 1 for recording in recordings)
     panels = {}
     for recording in recordings:
-        for column, (name, *_) in enumerate(recording.columns):
-            panels.setdefault(name, []).append((recording, column))
+        for column, (name, _, unit) in enumerate(recording.columns):
+            panels.setdefault((None if alone else name, unit), []).append((recording, column))
     return list(panels.values())
+
+
+def label_of(recording, column):
+    """The name of a column without its unit: "v_out", "v_last_2"."""
+    name, quantity, _ = recording.columns[column]
+    begin = re.match(rf"{re.escape(quantity)}(_\d+)?(?=_|$)", name)
+    return begin[0] if begin else name
 
 
 def chain_panels(panels):
@@ -88,48 +104,80 @@ def draw_chain(axes, panel, unit_s):
     scale = scale_of_unit(largest)
     signed = quantity != "force"
     begin, end = recording.ends
+    rows = range(numbers[0], numbers[0] + len(numbers))
     image = axes.imshow(values / scale, aspect="auto", origin="lower", interpolation="nearest", rasterized=True,
-                        extent=(begin / unit_s, max(end, begin + 1 / recording.rate) / unit_s, numbers[0] - 0.5, numbers[-1] + 0.5),
+                        extent=(begin / unit_s, max(end, begin + 1 / recording.rate) / unit_s, rows[0] - 0.5, rows[-1] + 0.5),
                         cmap="RdBu_r" if signed else "magma", vmin=-largest / scale if signed else None, vmax=largest / scale)
     mark_epochs(axes, recording, unit_s, "#555555")
     axes.set_ylabel("contact, from the horn" if quantity == "force" else "sphere, from the horn")
-    axes.yaxis.get_major_locator().set_params(integer=True)
+    if numbers == list(rows):
+        axes.yaxis.get_major_locator().set_params(integer=True)
+    else:  # some of them were chosen
+        step = -(-len(numbers) // MAX_ROW_NUMBERS)
+        axes.set_yticks(rows[::step], numbers[::step])
     of = f"{unit} \u00d7 {scale:g}" if scale != 1 else unit
     axes.figure.colorbar(image, ax=axes, label=f"{quantity} [{of}]", pad=0.01)
 
 
-def draw_panel(wave, lines, panel, colours, ends, unit_s, highest, drive, many):
+def draw_panel(wave, lines, panel, styles, ends, unit_s, highest, drive, many):
     """Draws one column of each recording: waveforms and spectra. With many recordings their names are in it.
 
-    ends: of the time axis, which all panels share [s].
+    ends: of the time axis, which all panels share [s]. drive: that of all recordings [Hz]; None: they have several, or none.
     """
     scale = scale_of_unit(max(largest_of(recording, column) for recording, column in panel))
     prepare_spectrum(lines, highest, drive)
-    peaks, bands = [], []
-    for (recording, column), colour in zip(panel, colours):
-        draw_waveform(wave, recording, column, unit_s, scale, colour)
+    labels = list(dict.fromkeys(label_of(*one) for one in panel))
+    peaks, bands, handles = [], [], []
+    for (recording, column), style in zip(panel, styles):
+        handles.append(draw_waveform(wave, recording, column, unit_s, scale, style))
         draw_record(wave, recording, column, unit_s, scale)
-        mark_epochs(wave, recording, unit_s, colour if many else "#555555")
-        before = plain_text(f"{recording.name}: ") if many else ""
-        peaks.append(f"{before}peak {largest_of(recording, column) + 0:.3g}")  # + 0: silence has no sign
+        mark_epochs(wave, recording, unit_s, style["color"] if many else "#555555")
         part = recording.parts[column]
-        bands.append(before + draw_spectrum(lines, part, recording.rate, recording.drive or drive, highest, colour))
+        band = draw_spectrum(lines, part, recording.rate, recording.lowest(drive), highest, style, len(panel) <= MAX_SHADED)
         length = len(part) / recording.rate
         if length < 0.999 * (recording.ends[1] - recording.ends[0]):
-            bands.append(f"of {length:.3g} s from {recording.part_from:.4g} s on")
-    wave.set_xlim(ends[0] / unit_s, ends[1] / unit_s)
+            band += f", of {length:.3g} s from {recording.part_from:.4g} s on"
+        name = shortened(recording.name) + (f" {label_of(recording, column)}" if len(labels) > 1 else "")
+        before = plain_text(f"{name}: ") if many else ""
+        unit = plain_text(recording.columns[column][2])
+        peaks.append(f"{before}peak {largest_of(recording, column) + 0:.3g} {unit}".rstrip())  # + 0: silence has no sign
+        bands.append(before + band)
+    margin = 0.005 * (ends[1] - ends[0])
+    wave.set_xlim((ends[0] - margin) / unit_s, (ends[1] + margin) / unit_s)
     wave.grid(axis="y")
-    note(lines, bands)
+    numbered = 8 if any(recording.epochs for recording, _ in panel) else 0
     if many:
-        wave.legend([line for line in wave.get_lines() if line.get_marker() != "."], peaks, fontsize=8, edgecolor="none", loc="upper right")
+        more = [f"and {len(panel) - MAX_NAMED} more"] if len(panel) > MAX_NAMED else []
+        wave.legend(handles[:MAX_NAMED], peaks[:MAX_NAMED], title=more[0] if more else None, fontsize=8, title_fontsize=8, frameon=False,
+                    loc="lower right", bbox_to_anchor=(1, 1), borderaxespad=0.2, labelspacing=0.2)  # above, where it hides no curve
+        note(lines, bands[:MAX_NAMED] + more)
     else:
-        note(wave, peaks)
-    recording, column = panel[0]
-    name, quantity, of = recording.columns[column]
-    label = quantity if name.startswith(quantity) else name
+        note(wave, peaks, above=numbered)
+        note(lines, bands)
+    of = panel[0][0].columns[panel[0][1]][2]
     of = f"{of} \u00d7 {scale:g}".strip() if scale != 1 else of
-    wave.set_ylabel(plain_text(f"{label} [{of}]" if of else label))
+    label = labels[0] if len(labels) == 1 else ""
+    wave.set_ylabel(plain_text(f"{label} [{of}]".strip() if of else label))
     lines.set_ylabel("level [dB]")
+
+
+def height_of(panel):
+    """In inches, with a line above for each spectrum."""
+    return 3.5 if is_map(panel) else 1.8 + 0.14 * min(len(panel), MAX_NAMED + 1)
+
+
+def common_drive(recordings):
+    """The drive's frequency of all recordings that say one, and the largest [Hz]; None: they have several, or none."""
+    drives = {recording.drive for recording in recordings if recording.drive}
+    return next(iter(drives)) if len(drives) == 1 else None, max(drives, default=None)
+
+
+def notes_on_time(recordings):
+    """The meaning of the marks on waveforms."""
+    horn = {recording.record[0] for recording in recordings if recording.record}
+    shown = {quantity for recording in recordings for _, quantity, _ in recording.columns}
+    return (["dotted: live changes"] if any(recording.epochs for recording in recordings) else []) + (
+        ["dots: the record that drives the horn"] if horn & shown else [])
 
 
 def draw(recordings, title, rows=None):
@@ -139,15 +187,16 @@ def draw(recordings, title, rows=None):
     if rows is None and len(recordings) == 1:
         panels = chain_panels(panels)
     many = len(recordings) > 1
-    drive = next((recording.drive for recording in recordings if recording.drive), None)
+    drive, highest_drive = common_drive(recordings)
     nyquist = max(recording.rate for recording in recordings) / 2
-    highest = min(nyquist, (HARMONICS + 0.5) * drive if drive else nyquist)
+    highest = min(nyquist, (HARMONICS + 0.5) * highest_drive) if highest_drive else nyquist
     ends = (min(recording.ends[0] for recording in recordings),
             max(max(recording.ends[1], recording.ends[0] + 1 / recording.rate) for recording in recordings))
     unit_s, unit = unit_of_time(ends[1] - ends[0])
     if rows is None:
-        _, rows = plt.subplots(len(panels), 2, figsize=(10, 1.0 + sum(3.5 if is_map(panel) else 1.8 for panel in panels)), sharex="col",
-                               layout="constrained", squeeze=False)
+        heights = [height_of(panel) for panel in panels]
+        _, rows = plt.subplots(len(panels), 2, figsize=(10, 1.0 + sum(heights)), sharex="col", layout="constrained", squeeze=False,
+                               gridspec_kw={"height_ratios": heights})
     figure = rows[0, 0].figure
     for number, (panel, (wave, lines)) in enumerate(zip(panels, rows)):
         if is_map(panel):
@@ -156,11 +205,11 @@ def draw(recordings, title, rows=None):
             rows[number, 0] = figure.add_subplot(rows[number, 0].get_gridspec()[number, :])
             draw_chain(rows[number, 0], panel, unit_s)
             continue
-        colours = [COLOURS[(recordings.index(recording) if many else number) % len(COLOURS)] for recording, _ in panel]
-        draw_panel(wave, lines, panel, colours, ends, unit_s, highest, drive, many)
-    epochs = "      dotted: live changes" if any(recording.epochs for recording in recordings) else ""
-    rows[-1, 0].set_xlabel(f"time [{unit}]" + epochs)
-    for lines in [rows[number, 1] for number, panel in enumerate(panels) if not is_map(panel)][-1:]:
+        styles = [line_style(recordings.index(recording) if many else number) for recording, _ in panel]
+        draw_panel(wave, lines, panel, styles, ends, unit_s, highest, drive, many)
+    rows[-1, 0].set_xlabel("      ".join([f"time [{unit}]", *notes_on_time(recordings)]))
+    for wave, lines in [rows[number] for number, panel in enumerate(panels) if not is_map(panel)][-1:]:
+        wave.tick_params(labelbottom=True)
         lines.tick_params(labelbottom=True)
         lines.set_xlabel("frequency [kHz]" + (f"      f = {drive / 1e3:g} kHz, lines at its multiples" if drive else ""))
     return titled(figure, title)

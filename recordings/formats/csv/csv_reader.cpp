@@ -181,6 +181,9 @@ private:
                 go_to_row(fault.row());
                 lines_.fail(fault.what());
             }
+            if (const auto moved = axis_.moved_origin(printable_whole(path_.string()), times)) {
+                options_.tell(*moved);
+            }
         }
         head_.sample_rate_hz = axis_.sample_rate_hz();
     }
