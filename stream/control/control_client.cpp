@@ -92,7 +92,6 @@ zmq::socket_t control_socket(zmq::context_t& context, const std::string& endpoin
 
 Json ask_control(const ControlConnection& connection, const Json& request, const std::atomic<bool>& stop) {
     using Clock = std::chrono::steady_clock;
-    constexpr long nap_ms = 50;
     if (const auto known = reached_over_ipv6(connection.endpoint); !known) {
         throw std::runtime_error(known.error());
     }

@@ -21,7 +21,6 @@ namespace hertzline::stream {
 
 namespace {
 
-constexpr long nap_ms = 50;       // between looks at the stop flag
 constexpr long short_nap_ms = 2;  // while a change is on its way
 constexpr int linger_ms = 200;    // for the last answers
 constexpr int at_a_time = 16;     // requests, before the change on its way is looked at again

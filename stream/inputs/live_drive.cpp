@@ -22,7 +22,6 @@ namespace hertzline::stream {
 
 namespace {
 
-constexpr long nap_ms = 50;             // between looks at the stop flag
 constexpr double least_slack_s = 1e-3;  // the time that a wake-up takes on a busy machine
 constexpr double longest_gap_s = 10;
 constexpr int most_waiting = 64;             // messages of each sender
@@ -38,10 +37,6 @@ DriveMessages::Limits limits_of(const Drive& drive) {
             .longest_gap = static_cast<std::size_t>(std::ceil(longest_gap_s * rate)),
             .unit = drive.scale ? "" : unit,
             .topics = drive.socket == DriveSocket::pull};
-}
-
-double seconds(Nanoseconds time) noexcept {
-    return static_cast<double>(time.count()) * 1e-9;
 }
 
 /// Whether an occupied ipc endpoint is that of a program, and no other file.

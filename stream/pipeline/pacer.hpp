@@ -15,6 +15,10 @@ namespace hertzline::stream {
 
 using Nanoseconds = std::chrono::duration<std::int64_t, std::nano>;
 
+constexpr double seconds(Nanoseconds time) noexcept {
+    return std::chrono::duration<double>(time).count();
+}
+
 /// The rate of simulated time.
 class Pace {
 public:

@@ -5,14 +5,6 @@
 
 namespace hertzline::stream {
 
-namespace {
-
-double seconds(Nanoseconds time) noexcept {
-    return std::chrono::duration<double>(time).count();
-}
-
-}  // namespace
-
 StreamMonitor::StreamMonitor(std::int64_t origin, double sample_rate_hz) noexcept
     : origin_(origin), sample_rate_hz_(sample_rate_hz) {
     meters_.samples = origin;

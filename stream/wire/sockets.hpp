@@ -11,6 +11,9 @@
 
 namespace hertzline::stream {
 
+/// The longest wait for a message, before a thread looks whether it is to stop.
+inline constexpr long nap_ms = 50;
+
 /// Makes a context. @throws std::runtime_error when this process may not have the threads and descriptors of its sockets, for want
 /// of which ZeroMQ ends the program
 zmq::context_t new_context();

@@ -15,7 +15,6 @@ namespace {
 
 constexpr const char* endpoint = "inproc://zeromq.zap.01";  // fixed by ZAP
 constexpr const char* version = "1.0";
-constexpr long nap_ms = 100;  // between looks at the stop flag
 
 constexpr const char* status_granted = "200";
 constexpr const char* status_refused = "400";
