@@ -231,7 +231,12 @@ std::vector<std::string> material_names(const Scene& scene, MaterialSort sort) {
 }
 
 const Solid& solid_of(const Scene& scene, std::string_view name) {
-    return std::get<Solid>(*find_material(scene, name));
+    const Material* const material = find_material(scene, name);
+    const Solid* const solid = material != nullptr ? std::get_if<Solid>(material) : nullptr;
+    if (solid == nullptr) {
+        throw std::out_of_range(quoted_briefly(name) + " is no solid of the scene");
+    }
+    return *solid;
 }
 
 }  // namespace hertzline

@@ -222,7 +222,7 @@ const Material* find_material(const Scene& scene, std::string_view name);
 /// The names of all materials of that sort that the scene can use: the built-in ones, then its own.
 std::vector<std::string> material_names(const Scene& scene, MaterialSort sort);
 
-/// The solid of that name in a scene without faults.
+/// The solid of that name, the scene's own first. @throws std::out_of_range when there is none
 const Solid& solid_of(const Scene& scene, std::string_view name);
 
 /// Most samples of a record that drives the horn.

@@ -255,10 +255,11 @@ class Knob {
   /** @param epoch that the value belongs to */
   update(knob, there, epoch) {
     Object.assign(this, {knob, there, epoch});
-    this.input.disabled = !there;
+    const turns = there && !knob.fixed;
+    this.input.disabled = !turns;
     if (this.slider) {
-      this.slider.disabled = !there;
-      this.slider.hidden = !(knob.value > 0);  // there is no quarter of nothing
+      this.slider.disabled = !turns;
+      this.slider.hidden = !(knob.value > 0) || knob.fixed === true;  // there is no quarter of nothing
     }
     this.say(this.use, `${this.text(knob.value)} in use`);
     this.takeValue();
@@ -280,7 +281,7 @@ class Knob {
     const {minimum, maximum} = knob;
     const allowed = minimum !== undefined && knob.kind !== 'list' ? `allowed: ${text(minimum)} to ${text(maximum)}` : knob.allowed ?? knob.description ?? '';
     const slider = this.slider && !this.slider.hidden && this.there ? `slider: ${this.sliderEnds().map(text).join(' to ')}; ` : '';
-    this.say(this.limits, slider + allowed);
+    this.say(this.limits, knob.fixed ? 'fixed while the stream runs' : slider + allowed);
   }
 
   isTypedInto() { return document.activeElement === this.input && this.input.type === 'text'; }

@@ -16,6 +16,25 @@
 
 namespace hertzline::stream {
 
+namespace {
+
+struct FixedKey {
+    std::string_view name;
+    const char* allowed;
+};
+constexpr const char* value_at_start = "the value at the start of the stream, on which its frames depend";
+constexpr std::array fixed_keys{
+    FixedKey{"output.sample_rate_hz", value_at_start}, FixedKey{"output.frame_samples", value_at_start},
+    FixedKey{"output.duration_s",
+             "the value at the start of the stream, which ends when it is stopped or after --duration"},
+    FixedKey{"chain.spheres", value_at_start}};
+
+}  // namespace
+
+bool is_fixed(std::string_view key) noexcept {
+    return std::ranges::find(fixed_keys, key, &FixedKey::name) != fixed_keys.end();
+}
+
 Json faults_json(const std::vector<Fault>& faults) {
     Json list = Json::array();
     for (const Fault& fault : faults) {
@@ -29,27 +48,17 @@ Json faults_json(const std::vector<Fault>& faults) {
 
 std::vector<Fault> frame_faults(const Scene& from, const Scene& to) {
     std::vector<Fault> faults;
-    const auto add = [&](const std::string& name,
-                         const char* allowed =
-                             "the value at the start of the stream, on which its frames depend") {
+    const auto add = [&](std::string_view name, const char* allowed = value_at_start) {
         const SceneValue value = scene_key_named(to, name)->value(to).value_or(std::string("none"));
-        faults.push_back({name, value_text(value), allowed});
+        faults.push_back({std::string(name), value_text(value), allowed});
     };
-    if (from.output.sample_rate_hz != to.output.sample_rate_hz) {
-        add("output.sample_rate_hz");
-    }
-    if (from.output.frame_samples != to.output.frame_samples) {
-        add("output.frame_samples");
-    }
-    if (from.output.duration_s != to.output.duration_s) {
-        add("output.duration_s",
-            "the value at the start of the stream, which ends when it is stopped or after --duration");
+    for (const FixedKey& key : fixed_keys) {
+        if (scene_key_named(from, key.name)->value(from) != scene_key_named(to, key.name)->value(to)) {
+            add(key.name, key.allowed);
+        }
     }
     if (awaits_samples(to.drive) && !awaits_samples(from.drive)) {
         add("drive.kind", "a drive whose motion is there: a live one is connected at the start of a stream");
-    }
-    if (from.chain.spheres != to.chain.spheres) {
-        add("chain.spheres");
     }
     if (from.array.x_m.size() != to.array.x_m.size()) {
         add("array.x_m");

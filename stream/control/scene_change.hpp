@@ -22,6 +22,9 @@ Json faults_json(const std::vector<Fault>& faults);
 
 using measures::motion_goes_on;
 
+/// Whether no stream can change the key, whatever its value.
+bool is_fixed(std::string_view key) noexcept;
+
 /// Returns the changes that a stream cannot make, because its frames depend on these values, or a record was read by them.
 std::vector<Fault> frame_faults(const Scene& from, const Scene& to);
 

@@ -117,6 +117,11 @@ void SceneControl::get(const Json& keys, const Reply& reply) const {
         reply(faults_json(values.error()));
         return;
     }
+    for (const auto& [name, value] : values->items()) {
+        if (is_fixed(name)) {
+            value["fixed"] = true;
+        }
+    }
     reply({{"epoch", epoch_}, {"scene_hash", scene_hash(resolved_)}, {"values", *std::move(values)}});
 }
 

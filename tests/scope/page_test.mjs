@@ -231,6 +231,8 @@ const promises = {
     const knob = this.page.locator('[id="knob-drive.amplitude_m"]');
     await until(this.page, () => !document.getElementById('knob-drive.amplitude_m').disabled);
     assert.equal(await this.page.locator('[id="knob-drive.envelope"] option').count(), 3);
+    assert.ok(await this.page.locator('[id="knob-chain.spheres"]').isDisabled(), 'no stream can change it');
+    assert.equal(await this.page.locator('[id="limits-chain.spheres"]').textContent(), 'fixed while the stream runs');
     assert.equal(await this.page.locator('[id="knob-drive.file"]').isVisible(), false, 'a tone has no file');
     const peak = () => this.page.evaluate(() => Math.max(...window.hertzline.waveform.picture.high));
     const before = await peak();
@@ -440,11 +442,16 @@ const promises = {
     assert.deepEqual(await page.locator('.hint.mouse, .hint.touch').evaluateAll((hints) => hints.map((hint) => hint.checkVisibility())), [false, true]);
     const place = async (name, x) => {
       await page.tap(`#cursor-${name.toLowerCase()}`);
-      await page.evaluate(() => document.getElementById('waveform').scrollIntoView());
-      const box = await page.locator('#waveform').boundingBox();
-      await page.touchscreen.tap(box.x + x, box.y + 60);
-      await until(page, (cursor) => window.hertzline.waveform.cursors[cursor] !== null, name);
-      return box;
+      const placed = (timeout) => page.waitForFunction((cursor) => window.hertzline.waveform.cursors[cursor] !== null, name, {timeout});
+      for (let attempt = 0; attempt < 5; ++attempt) {  // the page may move under the finger while its texts come
+        await page.evaluate(() => document.getElementById('waveform').scrollIntoView());
+        const box = await page.locator('#waveform').boundingBox();
+        await page.touchscreen.tap(box.x + x, box.y + 60);
+        if (await placed(2000).then(() => true, () => false)) {
+          return box;
+        }
+      }
+      throw new Error(`no cursor ${name} after five taps`);
     };
     await place('A', 120);
     const box = await place('B', 220);

@@ -260,6 +260,8 @@ TEST(Scene, OwnMaterialsHideBuiltInOnes) {
     Scene scene;
     EXPECT_EQ(std::get<Solid>(*find_material(scene, "steel")).youngs_modulus_pa, 201e9);
     EXPECT_EQ(find_material(scene, "unobtainium"), nullptr);
+    EXPECT_THROW(solid_of(scene, "unobtainium"), std::out_of_range);
+    EXPECT_THROW(solid_of(scene, "water"), std::out_of_range);
     scene.materials["steel"] = Solid{190e9, 0.3, 7900};
     EXPECT_EQ(std::get<Solid>(*find_material(scene, "steel")).youngs_modulus_pa, 190e9);
     scene.materials["steel"] = Fluid{1000, 1500};

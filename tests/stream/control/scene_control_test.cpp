@@ -109,6 +109,8 @@ TEST(SceneControl, UndoGoesBackStepByStep) {
 TEST(SceneControl, RefusesWhatIsWrongAndStaysAsItIs) {
     Controlled stream;
     const Json before = stream.ask({{"get", Json::array()}});
+    EXPECT_EQ(before["values"]["chain.spheres"]["fixed"], true);
+    EXPECT_FALSE(before["values"]["chain.preload_n"].contains("fixed"));
     EXPECT_EQ(stream.ask({{"set", {{"drive.amplitude_m", -1}, {"nothing", 2}}}})["faults"].size(), 2U);
     EXPECT_EQ(stream.ask({{"set", {{"chain.spheres", 7}}}})["faults"][0]["key"], "chain.spheres");
     EXPECT_EQ(
