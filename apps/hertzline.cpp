@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <cstdint>
 #include <cstdlib>
 #include <exception>
@@ -149,12 +148,11 @@ std::string unreadable_number(std::string_view message) {
     }
     const std::string_view option = message.substr(begin.size(), at - begin.size());
     const std::string_view value = message.substr(at + between.size());
-    const auto number = read_value(ValueKind::number, value);
-    const bool fraction = number && std::floor(std::get<double>(*number)) != std::get<double>(*number);
+    const bool whole = value.find_first_not_of("+-0123456789") == std::string_view::npos;
     return fmt::format("{}: found {}, allowed: {}", option, quoted_briefly(value),
-                       !number    ? "a number"
-                       : fraction ? "a whole number"
-                                  : "a smaller whole number of at least 0");
+                       whole                                  ? "a smaller whole number of at least 0"
+                       : read_value(ValueKind::number, value) ? "a whole number, in digits"
+                                                              : "a number");
 }
 
 /// Returns the fault that CLI11 found, and the way to the options that are allowed.

@@ -32,9 +32,13 @@ function(hertzline_precompile target)
   endif()
 endfunction()
 
-# Makes CMAKE_UNITY_BUILD compile the sources of each folder as one, and some folders with the one that they lie in: the large headers are
-# read once for all, which takes a third of the time. Names in unnamed namespaces are then those of all these files. Generated sources are
-# compiled alone.
+# Folders that are compiled with the one that they lie in: they are small, and no two of their names clash.
+set(HERTZLINE_SMALL_FOLDERS
+  "apps/(arguments|completion|console)" "apps/commands/.+" "recordings/formats/(csv|hdf5)" "stream/.+")
+list(JOIN HERTZLINE_SMALL_FOLDERS "|" HERTZLINE_SMALL_FOLDERS)
+
+# Makes CMAKE_UNITY_BUILD compile the sources of each folder as one: the large headers are read once for all, which takes a third of
+# the time. Names in unnamed namespaces are then a folder's, not a file's. Generated sources are compiled alone.
 function(hertzline_unite_folders target)
   set_target_properties(${target} PROPERTIES UNITY_BUILD_MODE GROUP)
   foreach(source IN LISTS ARGN)
@@ -42,7 +46,7 @@ function(hertzline_unite_folders target)
     cmake_path(IS_PREFIX CMAKE_CURRENT_SOURCE_DIR "${folder}" NORMALIZE written)
     if(written)
       cmake_path(RELATIVE_PATH folder BASE_DIRECTORY ${PROJECT_SOURCE_DIR})
-      while(folder MATCHES "^(apps/(arguments|completion|console)|apps/commands/.+|core/(integrators|model|solvers.*|step_choice)|recordings/formats/(csv|hdf5)|stream/.+)$")
+      while(folder MATCHES "^(${HERTZLINE_SMALL_FOLDERS})$")
         cmake_path(GET folder PARENT_PATH folder)
       endwhile()
       string(REPLACE "/" "-" group ${folder})

@@ -213,13 +213,10 @@ double TimeAxis::tolerance(double time) const noexcept {
     return rounding > 1 ? rounding : std::max(max_deviation, rounding / 2);
 }
 
-std::optional<std::string> TimeAxis::moved_origin(const std::string& file,
-                                                  std::span<const double> times) const {
-    TimeAxis axis = *this;
-    if (times.empty() || !std::isfinite(times[0]) || axis.sample_of(times[0]) != 0 || axis.origin_ == 0) {
-        return std::nullopt;
-    }
-    return fmt::format("{}: its times begin at {} s, which becomes 0", file, number_text(axis.origin_));
+std::optional<std::string> TimeAxis::moved_origin(const std::string& file) const {
+    return origin_ == 0 ? std::nullopt
+                        : std::optional(fmt::format("{}: its times begin at {} s, which becomes 0", file,
+                                                    number_text(origin_)));
 }
 
 std::int64_t TimeAxis::sample_of(double time) {

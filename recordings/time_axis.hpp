@@ -68,8 +68,8 @@ public:
     /// Returns the sample of the next row. @throws std::runtime_error with the fault, when it is not a later sample's time
     std::int64_t sample_of(double time);
 
-    /// Returns the time of sample 0 where it is not 0, as a warning of the file of that name. @param times of its first rows
-    std::optional<std::string> moved_origin(const std::string& file, std::span<const double> times) const;
+    /// Returns a warning where the first row's time, which is not 0, has become 0; it is known behind that row. @param file its name
+    std::optional<std::string> moved_origin(const std::string& file) const;
 
 private:
     double tolerance(double time) const noexcept;

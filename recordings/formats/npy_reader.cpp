@@ -254,11 +254,7 @@ private:
                     ? digits_of_float32
                     : digits_of_float64;
             try {
-                const std::vector<double> times = first_times();
-                axis_ = TimeAxis(options.sample_rate_hz, times, digits);
-                if (const auto moved = axis_.moved_origin(printable_whole(file_.path().string()), times)) {
-                    options.tell(*moved);
-                }
+                axis_ = TimeAxis(options.sample_rate_hz, first_times(), digits);
             } catch (const TimeFault& fault) {
                 cannot_read(file_.path(), fmt::format("row {}: {}", fault.row(), fault.what()));
             }
@@ -271,6 +267,12 @@ private:
             }
         }
         head_.sample_rate_hz = axis_.sample_rate_hz();
+        if (time_ && refill()) {
+            ahead_ = sample_of_row();
+            if (const auto moved = axis_.moved_origin(printable_whole(file_.path().string()))) {
+                options.tell(*moved);
+            }
+        }
     }
 
     /// Returns the times of the first rows, up to one that is not above the one before.

@@ -179,7 +179,10 @@ TEST(Plot, NamesTheOptionThatIsNoNumber) {
     };
     EXPECT_THAT(fault({"--sample-rate", "20MHz"}),
                 HasSubstr("--sample-rate: found \"20MHz\", allowed: a number;"));
-    EXPECT_THAT(fault({"--frames", "1.5"}), HasSubstr("--frames: found \"1.5\", allowed: a whole number;"));
+    EXPECT_THAT(fault({"--frames", "1.5"}),
+                HasSubstr("--frames: found \"1.5\", allowed: a whole number, in digits;"));
+    EXPECT_THAT(fault({"--frames", "9999999999"}),
+                HasSubstr("allowed: a smaller whole number of at least 0;"));
 }
 
 TEST(Plot, DrawsTheColumnsThatAreNamed) {

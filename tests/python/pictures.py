@@ -154,21 +154,33 @@ class Pictures(InAFolder):
         about = {"columns": [("v", "v", "m/s")], "sample_rate_hz": 1e6,
                  "provenance": {"scene": {"drive": {"frequency_hz": 73e3}}, "changes": [
                      {"epoch": 1, "sample": 50, "set": {"chain.preload_n": 1}}, {"epoch": 2, "sample": 100, "set": {"drive.frequency_hz": 1e5}}]}}
-        for first, end, drive, lowest, epochs in ((0, 300, None, 36.5e3, [(1, 50e-6), (2, 100e-6)]), (0, 90, 73e3, 36.5e3, [(1, 50e-6)]),
-                                                  (60, 90, 73e3, 36.5e3, [(1, 60e-6)]), (100, 300, 1e5, 5e4, [(2, 100e-6)])):
+        for first, end, drives, lowest, epochs in ((0, 300, [73e3, 1e5], 36.5e3, [(1, 50e-6), (2, 100e-6)]), (0, 90, [73e3], 36.5e3, [(1, 50e-6)]),
+                                                   (60, 90, [73e3], 36.5e3, [(1, 60e-6)]), (100, 300, [1e5], 5e4, [(2, 100e-6)])):
             t = np.arange(first, end) / 1e6
             recording = _draw.recording_of({"t_s": t, "v": np.sin(t * 1e6)}, about)
-            self.assertEqual((recording.drive, recording.lowest(), recording.epochs), (drive, lowest, epochs))
-        about["provenance"]["changes"] = [{"epoch": "x"}, 3]  # from outside
-        self.assertEqual(_draw.recording_of({"t_s": t, "v": t}, about).drive, 73e3)
+            self.assertEqual((recording.drives, recording.lowest(), recording.epochs), (drives, lowest, epochs))
+
+    def test_a_change_that_is_damaged_takes_no_other_one_away(self):
+        from hertzline._draw import recordings
+        good = {"epoch": 1, "sample": 10, "set": {"drive.frequency_hz": 1e5}}
+        for damaged in (3, {"epoch": 1}, {"epoch": "x"}, {"epoch": 2, "sample": 10**400, "set": {}}, {"epoch": 2, "sample": 20, "set": []},
+                        *({"epoch": 2, "sample": 20, "set": {"drive.frequency_hz": f}} for f in (None, "1e5", -1, 10**400, float("inf"), 1e5))):
+            about = {"sample_rate_hz": 1e6, "provenance": {"scene": {"drive": {"frequency_hz": 73e3}}, "changes": [damaged, good, damaged]}}
+            self.assertEqual(recordings.drives_of(about, 0, 100)[-1:], [1e5], damaged)
+            self.assertIn((1, 1e-5), recordings.epochs_in(about, np.arange(100) / 1e6))
+        for scene in (None, 3, {"drive": []}, {"drive": {"frequency_hz": "x"}}):
+            self.assertEqual(recordings.drives_of({"provenance": {"scene": scene, "changes": 3}}), [])
 
     def test_several_drives_have_no_lines_in_common(self):
         from hertzline._draw import waveforms
         v = {"t_s": np.arange(1000) / 1e6, "v": np.sin(np.arange(1000))}
         one, other, unknown = (recorded(v, {"v": ("v", "m/s")}) for _ in range(3))
-        one.drive, other.drive = 73e3, 1e5
+        one.drives, other.drives = [73e3], [1e5]
         self.assertEqual(waveforms.common_drive([one, unknown]), (73e3, 73e3))
         self.assertEqual(waveforms.common_drive([one, other]), (None, 1e5))
+        unknown.drives = [73e3, 2e5]
+        self.assertEqual(waveforms.common_drive([one, unknown]), (None, 2e5))
+        unknown.drives = []
         self.assertEqual((unknown.lowest(73e3), unknown.lowest(), other.lowest(73e3)), (36.5e3, 0, 5e4))
         other.band_from = 5e3
         self.assertEqual(other.lowest(73e3), 5e3)
@@ -178,7 +190,7 @@ class Pictures(InAFolder):
 
     def test_a_rate_below_the_drive_is_no_silence(self):
         recording = recorded({"t_s": np.arange(1000) / 6e4, "v": np.sin(np.arange(1000))}, {"v": ("v", "m/s")}, rate=6e4)
-        recording.drive = 73e3
+        recording.drives = [73e3]
         figure = drawn([recording])
         self.assertRegex(figure.axes[1].get_title(loc="right"), "half the sample rate is below 36.5 kHz")
         matplotlib.pyplot.close(figure)
@@ -188,6 +200,7 @@ class Pictures(InAFolder):
         x = np.geomspace(1e-3, 10, 5)
         edges = sweeps.edges_of(x, "log", within=False)
         self.assertTrue(np.allclose(edges[1:] / edges[:-1], 10) and np.allclose(np.sqrt(edges[1:] * edges[:-1]), x))
+        self.assertFalse(np.isfinite(sweeps.edges_of([1e-300, 1, 1e300], "log", within=False)).all())  # drawn as dots
         self.assertTrue(np.allclose(sweeps.edges_of([0, 1, 3], "linear", within=False), [-0.5, 0.5, 2, 4]))
         self.assertTrue(np.allclose(sweeps.edges_of([0, 1, 3], "linear", within=True), [0, 0.5, 2, 3]))
         table = hertzline.sweep(short_scene(), {"chain.preload_n": np.geomspace(1e-2, 1, 4), "end.thickness_m": np.geomspace(1e-4, 1e-2, 3)})
@@ -206,6 +219,19 @@ class Pictures(InAFolder):
         self.assertEqual(len(figure.axes[0].collections[0].get_offsets()), 4)
         matplotlib.pyplot.close(figure)
 
+    def test_a_legend_names_curves_that_differ(self):
+        from hertzline import _draw
+        words = np.array([f"$w{k}$" for k in range(40)])
+        columns = {"point": np.arange(80.0), "chain.preload_n": np.tile([1.0, 2], 40), "end.material": np.repeat(words, 2),
+                   "status": np.array(["ok"] * 80), "thd_r": np.arange(80.0)}
+        figure = _draw.draw_sweep(_draw.Sweep(columns, {}, {}), ["thd_r"], "")
+        names = [text.get_text() for text in figure.axes[0].get_legend().get_texts()]
+        self.assertEqual((names[0], names[-1], len(names)), (r"\$w0\$", "and 17 more", 24))
+        styles = {(line.get_color(), str(line.get_linestyle()), tuple(line._dash_pattern[1] or ())) for line in figure.axes[0].lines[:23]}
+        self.assertEqual(len(styles), 23)
+        figure.savefig(self.folder / "x.png")
+        matplotlib.pyplot.close(figure)
+
     def test_a_search_tells_why_points_do_not_count(self):
         from hertzline import _draw
         columns = {"point": np.arange(5.0), "chain.preload_n": np.arange(1.0, 6), "status": np.array(["ok", "ok", "chaotic", "refused", "ok"]),
@@ -219,14 +245,23 @@ class Pictures(InAFolder):
 
         self.assertEqual(labels(), {"beyond a bound": [5], "best": [2], "chaotic": [3], "refused": [4]})
         columns["status"][:] = "chaotic"
-        self.assertEqual(list(labels()), ["chaotic"])
+        self.assertEqual(list(labels()), ["chaotic", "chaotic, no number"])
 
     def test_waveforms_of_a_sweep_have_the_drive_of_their_point(self):
         from hertzline._draw import sweeps, tables
         path = str(self.folder / "s.h5")
         program("sweep", "paper-wall", "--vary", "drive.frequency_hz=40kHz,80kHz,160kHz", "--waveforms", "f_last", "-o", path)
         recordings, looked_at = sweeps.waveform_recordings(tables.read_sweep(path), path, "f_last")
-        self.assertEqual(([recording.drive for recording, _ in recordings], looked_at), ([40e3, 80e3, 160e3], 3))
+        self.assertEqual(([recording.drives for recording, _ in recordings], looked_at), ([[40e3], [80e3], [160e3]], 3))
+
+    def test_waveforms_of_a_sweep_tell_of_points_without_samples(self):
+        from hertzline._draw import sweeps, tables
+        path = str(self.folder / "s.h5")
+        program("sweep", "paper-wall", "--vary", "numerics.step_s=1e-7,1e-4", "--waveforms", "f_last", "-o", path)
+        figure = sweeps.draw_waveforms(tables.read_sweep(path), path, ["f_last"], "s.h5")
+        self.assertEqual(figure._suptitle.get_text(), "s.h5; 1 of 2 points without samples")
+        self.assertRegex(figure.axes[0].get_title(loc="right"), "peak .* N")
+        matplotlib.pyplot.close(figure)
 
     def test_of_a_search(self):
         found = hertzline.optimise(short_scene(), {"chain.preload_n": "0.1..1:log"}, maximise="peak_v_out_m_per_s",
@@ -278,6 +313,19 @@ class PicturesOfFields(InAFolder):
         heard = np.argmax(np.abs(pressure) > 0.2 * np.abs(pressure).max(axis=1, keepdims=True), axis=1)
         self.assertTrue((np.diff(heard) > 0).all())  # further away it is heard later
         matplotlib.pyplot.close(figure)
+
+    def test_the_loudest_point_is_that_of_the_window(self):
+        from hertzline._draw import fields
+        samples = np.array([[9, 1, 1], [0, 3, 2], [np.nan, np.nan, np.nan]])
+
+        class Waves:
+            first, end, field, rate = 1, 3, None, 1e6
+            chosen = staticmethod(lambda reduce: reduce(samples[:, 1:]))
+
+        self.assertEqual(fields.loudest(Waves), 1)
+        samples[:] = np.nan
+        with self.assertRaisesRegex(ValueError, "no point has samples"):
+            fields.loudest(Waves)
 
     def test_stretches_keep_the_sample_furthest_from_0(self):
         from hertzline._draw import fields

@@ -442,16 +442,13 @@ const promises = {
     assert.deepEqual(await page.locator('.hint.mouse, .hint.touch').evaluateAll((hints) => hints.map((hint) => hint.checkVisibility())), [false, true]);
     const place = async (name, x) => {
       await page.tap(`#cursor-${name.toLowerCase()}`);
-      const placed = (timeout) => page.waitForFunction((cursor) => window.hertzline.waveform.cursors[cursor] !== null, name, {timeout});
-      for (let attempt = 0; attempt < 5; ++attempt) {  // the page may move under the finger while its texts come
-        await page.evaluate(() => document.getElementById('waveform').scrollIntoView());
-        const box = await page.locator('#waveform').boundingBox();
-        await page.touchscreen.tap(box.x + x, box.y + 60);
-        if (await placed(2000).then(() => true, () => false)) {
-          return box;
-        }
-      }
-      throw new Error(`no cursor ${name} after five taps`);
+      await page.evaluate(() => document.getElementById('waveform').scrollIntoView());
+      const waveform = await page.$('#waveform');
+      await waveform.waitForElementState('stable');  // texts above it may still come
+      const box = await waveform.boundingBox();
+      await page.touchscreen.tap(box.x + x, box.y + 60);
+      await until(page, (cursor) => window.hertzline.waveform.cursors[cursor] !== null, name);
+      return box;
     };
     await place('A', 120);
     const box = await place('B', 220);

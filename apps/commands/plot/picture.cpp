@@ -221,18 +221,19 @@ Json recorded_drive(const recordings::RecordingHead& head) {
 /// Returns the frequencies of the drive in those samples, in turn [Hz]; none where the recording does not say.
 std::vector<double> drive_frequencies(const Json& provenance, std::int64_t begin, std::int64_t end) {
     const OutsideJson about(provenance);
-    const auto of_scene = about.number("scene/drive/frequency_hz");
     std::vector<double> frequencies;
-    if (of_scene && *of_scene > 0) {
-        frequencies.push_back(*of_scene);
-    }
+    const auto add = [&](std::optional<double> frequency, std::int64_t sample) {
+        if (!frequency || !(*frequency > 0) || (!frequencies.empty() && frequencies.back() == *frequency)) {
+            return;
+        }
+        frequencies.resize(sample > begin ? frequencies.size() : 0);
+        frequencies.push_back(*frequency);
+    };
+    add(about.number("scene/drive/frequency_hz"), 0);
     for (const Json& change : about.at("changes")) {
         const OutsideJson changed(change);
-        const auto sample = changed.count("sample");
-        const auto set = changed.number("set/drive.frequency_hz");
-        if (sample && *sample < end && set && *set > 0) {
-            frequencies.resize(*sample > begin ? frequencies.size() : 0);
-            frequencies.push_back(*set);
+        if (const auto sample = changed.count("sample"); sample && *sample < end) {
+            add(changed.number("set/drive.frequency_hz"), *sample);
         }
     }
     return frequencies;
@@ -286,16 +287,11 @@ Json description_of(const RecordingOutline& recording) {
     }
     const Outline::Part& part = recording.outline.longest();
     const auto part_rows = static_cast<std::int64_t>(part.rows.size() / recording.outline.columns());
-    const std::vector<double> drives = drive_frequencies(head.provenance, part.first, part.first + part_rows);
-    std::optional<double> band_from = recording.band_from_hz;
-    if (!band_from && drives.size() > 1) {
-        band_from = std::ranges::min(drives) / 2;
-    }
     return {{"name", recording.name},
             {"columns", std::move(columns)},
             {"sample_rate_hz", head.sample_rate_hz},
-            {"drive_hz", drives.size() == 1 ? Json(drives.front()) : Json(nullptr)},
-            {"band_from_hz", band_from ? Json(*band_from) : Json(nullptr)},
+            {"drives_hz", drive_frequencies(head.provenance, part.first, part.first + part_rows)},
+            {"band_from_hz", recording.band_from_hz ? Json(*recording.band_from_hz) : Json(nullptr)},
             {"drive", recorded_drive(head)},
             {"epochs", std::move(epochs)},
             {"first", recording.outline.first()},

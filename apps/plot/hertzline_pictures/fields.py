@@ -5,7 +5,7 @@ import json
 import matplotlib.pyplot as plt
 import numpy as np
 
-from .recordings import drive_frequencies, furthest_from_0, recording_of
+from .recordings import drives_of, furthest_from_0, recording_of
 from .style import COLOURS, WrongUse, titled, unit_of_time, use_style
 from .tables import open_hdf5
 from .waveforms import draw
@@ -26,7 +26,7 @@ class Waveforms:
 
     def __init__(self, field, samples, about, window):
         self.field, self.samples = field, samples
-        self.drive = next(iter(drive_frequencies({"provenance": about})), None)
+        self.drives = drives_of({"provenance": about})
         self.rate = about["scene"]["output"]["sample_rate_hz"]
         nearly = 1e-6  # of a sample, as times are rounded
         begin, end = window
@@ -93,10 +93,18 @@ def point_at(field, place_m):
     return nearest
 
 
+def loudest(waves):
+    """The number of the point with the largest peak."""
+    peaks = np.nan_to_num(waves.chosen(lambda samples: np.abs(samples).max(axis=1)), nan=-1)
+    if peaks.max() < 0:
+        raise ValueError("no point has samples")
+    return int(np.argmax(peaks))
+
+
 def draw_spectrum_at(waves, places, title):
     """Waveform and spectrum at the points, or at the one with the largest peak."""
     field = waves.field
-    points = [point_at(field, place_m) for place_m in places] or [int(np.argmax(waves.chosen(lambda part: np.abs(part).max(axis=1))))]
+    points = [point_at(field, place_m) for place_m in places] or [loudest(waves)]
     if len(points) > len(COLOURS):
         raise WrongUse(f"--at: found {len(points)} points, allowed: {len(COLOURS)} at most")
     keys = [key for key in field.keys if len(np.unique(field.columns[key][points])) > 1]
@@ -105,7 +113,7 @@ def draw_spectrum_at(waves, places, title):
         about = {"columns": [("p_points", "p_points", "Pa")], "sample_rate_hz": waves.rate}
         samples = {"t_s": waves.times(), "p_points": waves.samples[point, waves.first:waves.end]}
         recordings.append(recording_of(samples, about, place(field, point, keys)))
-        recordings[-1].drive = waves.drive
+        recordings[-1].drives = waves.drives
     largest = "" if places else f", the largest peak of {len(waves.samples)} points"
     return draw(recordings, f"{title}: {fixed(field, keys, points[0])}{largest}")
 
@@ -143,7 +151,7 @@ def draw_waterfall(waves, title):
 def frames_of(waves, frames):
     """The number of frames: that which is asked for, or some of each period of the drive."""
     count = waves.end - waves.first
-    usual = int(np.ceil(FRAMES_A_PERIOD * waves.drive * count / waves.rate)) if waves.drive else USUAL_FRAMES
+    usual = int(np.ceil(FRAMES_A_PERIOD * waves.drives[0] * count / waves.rate)) if waves.drives else USUAL_FRAMES
     if count < 2:
         raise WrongUse("--from, --to: found one sample in this window, allowed: two or more, as frames of a movie")
     asked = min(usual, count) if frames is None else frames

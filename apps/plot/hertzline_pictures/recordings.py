@@ -21,8 +21,8 @@ class Recording:
     name: str
     columns: list  # (name, quantity, unit)
     rate: float  # [Hz]
-    drive: float  # its frequency [Hz]; None: the recording does not say, or it changes
-    epochs: list  # (number, beginning [s]) of those that begin in the picture
+    drives: list  # frequencies of the drive, in turn [Hz]; empty: the recording does not say
+    epochs: list  # (number, beginning [s]) of that of the first sample, and of those that begin in the picture
     t: object  # middle of each stretch [s]
     ends: tuple  # [s]
     each: bool  # a stretch is a sample
@@ -35,7 +35,7 @@ class Recording:
 
     def lowest(self, drive=None):
         """Where bands begin [Hz]. drive: of the recordings beside it, for one that does not say its own"""
-        return self.band_from if self.band_from is not None else (self.drive or drive or 0) / 2
+        return self.band_from if self.band_from is not None else min(self.drives, default=drive or 0) / 2
 
 
 def reduced_recordings(path):
@@ -49,7 +49,7 @@ def reduced_recording(about, folder):
     numbers = np.fromfile(os.path.join(folder, about["numbers"]), dtype="<f8")
     outline, parts = np.split(numbers, [2 * columns * about["stretches"]])
     outline = outline.reshape(columns, 2, -1)
-    return Recording(about["name"], about["columns"], rate, about["drive_hz"], about["epochs"],
+    return Recording(about["name"], about["columns"], rate, about["drives_hz"], about["epochs"],
                      middles(about["first"], about["end"], width, rate), (about["first"] / rate, (about["end"] - 1) / rate),
                      width == 1, list(outline[:, 0]), list(outline[:, 1]), list(parts.reshape(columns, -1)),
                      about["part_first"] / rate, record_of(about["drive"]), about["band_from_hz"])
@@ -80,10 +80,9 @@ def recording_of(samples, about, name=""):
             values.append(np.full(stretch[-1] + 1, np.nan))
             values[-1][stretch[begins]] = choose.reduceat(v, begins)
         parts.append(v[part])
-    drives = drive_frequencies(about, index[part.start], index[part.stop - 1] + 1)
-    return Recording(name, about["columns"], rate, drives[0] if len(drives) == 1 else None, epochs_in(about, index / rate),
+    return Recording(name, about["columns"], rate, drives_of(about, index[part.start], index[part.stop - 1] + 1), epochs_in(about, index / rate),
                      middles(index[0], index[-1] + 1, width, rate), (index[0] / rate, index[-1] / rate), width == 1, low, high, parts,
-                     index[part.start] / rate, record_of(drive_of(about)), min(drives) / 2 if len(drives) > 1 else None)
+                     index[part.start] / rate, record_of(drive_of(about)))
 
 
 def read(path):
@@ -96,30 +95,42 @@ def read(path):
 def drive_of(about):
     """The section of the scene; None: the recording does not say."""
     try:
-        return about["provenance"]["scene"]["drive"]
+        drive = about["provenance"]["scene"]["drive"]
     except (KeyError, TypeError):
         return None
+    return drive if isinstance(drive, dict) else None
+
+
+def is_change(change):
+    """Whether it is a live change of the scene. Recordings come from outside."""
+    def is_count(value):
+        return isinstance(value, int) and 0 <= value < 2**63
+
+    return isinstance(change, dict) and is_count(change.get("epoch")) and is_count(change.get("sample")) and isinstance(change.get("set"), dict)
 
 
 def changes_of(about):
     """The live changes of the scene, in turn."""
     try:
-        return [change for change in about["provenance"]["changes"] if isinstance(change["epoch"], int) and change["sample"] >= 0]
+        changes = about["provenance"]["changes"]
     except (KeyError, TypeError):
         return []
+    return [change for change in changes if is_change(change)] if isinstance(changes, list) else []
 
 
-def drive_frequencies(about, begin=0, end=1):
-    """Those of the samples from `begin` up to `end`, in turn [Hz]; empty: the recording does not say."""
-    try:
-        frequencies = [float(drive_of(about)["frequency_hz"])]
-        for change in changes_of(about):
-            if change["sample"] < end and "drive.frequency_hz" in change["set"]:
-                frequencies = frequencies if change["sample"] > begin else []
-                frequencies.append(float(change["set"]["drive.frequency_hz"]))
-        return frequencies if min(frequencies) > 0 else []
-    except (KeyError, TypeError, ValueError):
-        return []
+def drives_of(about, begin=0, end=1):
+    """Frequencies of the drive in the samples from `begin` up to `end`, in turn [Hz]; empty: the recording does not say."""
+    def is_frequency(value):
+        return isinstance(value, (int, float)) and 0 < value < 1e300
+
+    of_scene = (drive_of(about) or {}).get("frequency_hz")
+    drives = [of_scene] if is_frequency(of_scene) else []
+    for change in changes_of(about):
+        frequency = change["set"].get("drive.frequency_hz")
+        if change["sample"] < end and is_frequency(frequency) and [frequency] != drives[-1:]:
+            drives = drives if change["sample"] > begin else []
+            drives.append(frequency)
+    return [float(frequency) for frequency in drives]
 
 
 def record_of(drive):

@@ -10,6 +10,7 @@ from .tables import read_waveforms
 from .waveforms import MAX_NAMED, common_drive, draw, draw_waveform
 
 LONGEST_LEGEND = 12  # entries of one column
+MOST_NAMED = 2 * LONGEST_LEGEND - 1  # the colours and dashes there are, but one
 MOST_INSIDE = 4  # entries; with more a legend stands beside the axes
 LETTERS_AN_INCH = 9  # below an axis
 MOST_SLANTED = 12  # words
@@ -30,9 +31,10 @@ def edges_of(centres, scale, within):
     centres"""
     to, back = (np.log, np.exp) if scale == "log" else (np.asarray, np.asarray)
     at = to(centres)
-    between = (at[1:] + at[:-1]) / 2
-    outer = at[[0, -1]] if within else (at[0] - (between[0] - at[0]), at[-1] + (at[-1] - between[-1]))
-    return back(np.concatenate(([outer[0]], between, [outer[1]])))
+    with np.errstate(over="ignore"):
+        between = (at[1:] + at[:-1]) / 2
+        outer = at[[0, -1]] if within else (at[0] - (between[0] - at[0]), at[-1] + (at[-1] - between[-1]))
+        return back(np.concatenate(([outer[0]], between, [outer[1]])))
 
 
 def write_words(axes, words):
@@ -45,11 +47,14 @@ def write_words(axes, words):
 
 def legend_of(axes, title=None):
     """The legend, if there is anything in it."""
-    entries = len(axes.get_legend_handles_labels()[1])
-    if entries:
-        place = {"loc": "upper left", "bbox_to_anchor": (1.0, 1.0)} if entries > MOST_INSIDE else {}
-        axes.legend(fontsize=8 if entries <= LONGEST_LEGEND else 6, ncols=-(-entries // LONGEST_LEGEND), edgecolor="none", title=title,
-                    title_fontsize=8, **place)
+    handles, labels = axes.get_legend_handles_labels()
+    if len(labels) > MOST_NAMED:
+        handles = handles[:MOST_NAMED] + [matplotlib.lines.Line2D([], [], ls="none")]
+        labels = labels[:MOST_NAMED] + [f"and {len(labels) - MOST_NAMED} more"]
+    if labels:
+        place = {"loc": "upper left", "bbox_to_anchor": (1.0, 1.0)} if len(labels) > MOST_INSIDE else {}
+        axes.legend(handles, labels, fontsize=8 if len(labels) <= LONGEST_LEGEND else 6, ncols=-(-len(labels) // LONGEST_LEGEND),
+                    edgecolor="none", title=title, title_fontsize=8, **place)
 
 
 def number_axis(axis, values):
@@ -69,9 +74,11 @@ def mark_doubtful(axes, sweep, x, y, points):
 def mark_missing(axes, sweep, x, y):
     """Marks on the axis the points that have no number."""
     for status in dict.fromkeys(sweep.status[~np.isfinite(y)]):
-        there = ~np.isfinite(y) & (sweep.status == status)
+        of_status = sweep.status == status
+        there = ~np.isfinite(y) & of_status
+        label = "no number" if status == "ok" else f"{status}, no number" if (of_status & ~there).any() else status
         axes.plot(x[there], np.zeros(there.sum()), "x", color="#b03a2e", ms=6, clip_on=False, ls="",
-                  transform=axes.get_xaxis_transform(), label="no number" if status == "ok" else status)
+                  transform=axes.get_xaxis_transform(), label=label)
 
 
 def groups_of(sweep):
@@ -118,10 +125,10 @@ def draw_map(figure, axes, sweep, quantity, limits=(None, None)):
     (x, label_x), (y, label_y), z = sweep.axis(fast), sweep.axis(slow), sweep.columns[quantity]
     scales = scale_of(x), scale_of(y)
     shape = len(np.unique(y)), len(np.unique(x))
-    grid = shape[0] * shape[1] == len(z) == len(set(zip(x, y)))
+    edges = [edges_of(np.unique(at), scale, sweep.is_field) for at, scale in zip((x, y), scales)]
+    grid = shape[0] * shape[1] == len(z) == len(set(zip(x, y))) and np.isfinite(np.concatenate(edges)).all()
     if grid:
         order = np.lexsort((x, y))
-        edges = (edges_of(np.unique(at), scale, sweep.is_field) for at, scale in zip((x, y), scales))
         colours = axes.pcolormesh(*edges, z[order].reshape(shape), shading="flat", rasterized=True, vmin=limits[0], vmax=limits[1])
     else:
         colours = axes.scatter(x, y, c=z, s=12, vmin=limits[0], vmax=limits[1])
@@ -277,7 +284,7 @@ def waveform_recordings(sweep, path, name):
             words = ", ".join(value_text(sweep.columns[key][point]) for key in sweep.keys)
             about = {"columns": [(name, name, unit)], "sample_rate_hz": rate}
             recordings.append((recording_of({"t_s": np.arange(len(v)) / rate, name: v}, about, words), point))
-            recordings[-1][0].drive = drive if drive > 0 else None
+            recordings[-1][0].drives = [drive] if drive > 0 else []
     if not recordings:
         raise ValueError("no point has samples")
     return recordings, len(points)
@@ -294,13 +301,12 @@ def draw_waveforms(sweep, path, names, title):
         raise WrongUse(f"--columns: found {', '.join(names)}, allowed: one output of a sweep")
     found, looked_at = waveform_recordings(sweep, path, names[0])
     recordings, points = zip(*found)
-    without = [f"{looked_at - len(recordings)} points without samples"] if looked_at > len(recordings) else []
+    without = [f"{looked_at - len(recordings)} of {looked_at} points without samples"] if looked_at > len(recordings) else []
     few = len(COLOURS) if len(sweep.keys) == len(sweep.numbers) == 1 else MAX_NAMED
     if len(recordings) <= few:
-        figure = draw(list(recordings), title)
+        figure = draw(list(recordings), "; ".join(filter(None, [title, *without])))
         if len(recordings) > 1:
             figure.axes[0].get_legend().set_title(", ".join(map(sweep.label, sweep.keys)), prop={"size": 8})
-        note(figure.axes[0], without)
         return figure
     key = (sweep.numbers + ["point"])[0]
     values = sweep.columns[key][list(points)]

@@ -5,8 +5,8 @@ import json
 
 import numpy as np
 
-from .recordings import drive_frequencies
-from .style import WrongUse
+from .recordings import drives_of
+from .style import WrongUse, plain_text
 
 
 MAX_WAVEFORMS = 200
@@ -64,6 +64,9 @@ def read_csv_table(path):
             names, *rows = csv.reader(file)
     except (OSError, ValueError, csv.Error) as error:
         raise Unreadable(path, error) from error
+    if names[:1] != ["point"]:
+        raise NotASweep
+    rows = [row for row in rows if row]
     for number, row in enumerate(rows, 1):
         if len(row) != len(names):
             raise Unreadable(path, f"row {number} behind the header: found {len(row)} cells, allowed: {len(names)}")
@@ -112,7 +115,8 @@ class Sweep:
         """Values of a key along an axis, and its label; coordinates of a field in mm."""
         if self.is_field:
             return 1e3 * self.columns[key], f"{key[0]} [mm]"
-        return self.columns[key], self.label(key)
+        values = self.columns[key]
+        return np.array([plain_text(word) for word in values]) if key in self.words else values, self.label(key)
 
     def section(self, key, value):
         """The points where a key has this value."""
@@ -159,6 +163,6 @@ def read_waveforms(path, name):
             return table[key] if key in table.dtype.names else np.full(len(table), otherwise)
 
         rates = of_points("output.sample_rate_hz", provenance["scene"]["output"]["sample_rate_hz"])
-        drives = of_points("drive.frequency_hz", next(iter(drive_frequencies({"provenance": provenance})), np.nan))
+        drives = of_points("drive.frequency_hz", next(iter(drives_of({"provenance": provenance})), np.nan))
         chosen = np.unique(np.linspace(0, len(table) - 1, min(len(table), MAX_WAVEFORMS)).astype(int))
         return samples[list(chosen)], samples.attrs.get("units", ""), rates[chosen], drives[chosen], chosen

@@ -4,6 +4,7 @@ import re
 import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.collections import LineCollection
+from matplotlib.lines import Line2D
 
 from .recordings import MAX_STRETCHES, furthest_from_0
 from .spectra import HARMONICS, draw_spectrum, prepare_spectrum
@@ -46,11 +47,11 @@ def draw_waveform(axes, recording, column, unit_s, scale, style):
 
 
 def mark_epochs(axes, recording, unit_s, colour):
-    """A line where each live change begins to apply, with the number of its epoch."""
+    """A line where each live change begins to apply, with the number of its epoch. One that began before has its number only."""
     if not recording.epochs:
         return
     numbers, begins = zip(*recording.epochs)
-    lines = [((begin / unit_s, 0), (begin / unit_s, 1)) for begin in begins]
+    lines = [((begin / unit_s, 0), (begin / unit_s, 1)) for begin in begins if begin > recording.ends[0]]
     axes.add_collection(LineCollection(lines, transform=axes.get_xaxis_transform(), color=colour, lw=0.8, ls=(0, (2, 2))), autolim=False)
     for number, begin in recording.epochs if len(numbers) <= MAX_NUMBERED else []:
         axes.text(begin / unit_s, 1.0, f" {number}", transform=axes.get_xaxis_transform(), fontsize=7, va="bottom", color=colour)
@@ -93,6 +94,12 @@ def is_map(panel):
     return len(panel) >= FEWEST_ROWS and recording.columns[column][1] in OF_CHAIN and all(other is recording for other, _ in panel)
 
 
+def limits_of(ends, unit_s):
+    """The ends of a time axis, with room for peaks of the first and the last sample."""
+    margin = 0.005 * (ends[1] - ends[0])
+    return (ends[0] - margin) / unit_s, (ends[1] + margin) / unit_s
+
+
 def draw_chain(axes, panel, unit_s):
     """Draws one quantity of all spheres, or contacts, over time."""
     recording = panel[0][0]
@@ -116,6 +123,7 @@ def draw_chain(axes, panel, unit_s):
         step = -(-len(numbers) // MAX_ROW_NUMBERS)
         axes.set_yticks(rows[::step], numbers[::step])
     of = f"{unit} \u00d7 {scale:g}" if scale != 1 else unit
+    axes.set_xlim(limits_of((begin, max(end, begin + 1 / recording.rate)), unit_s))
     axes.figure.colorbar(image, ax=axes, label=f"{quantity} [{of}]", pad=0.01)
 
 
@@ -142,14 +150,14 @@ def draw_panel(wave, lines, panel, styles, ends, unit_s, highest, drive, many):
         unit = plain_text(recording.columns[column][2])
         peaks.append(f"{before}peak {largest_of(recording, column) + 0:.3g} {unit}".rstrip())  # + 0: silence has no sign
         bands.append(before + band)
-    margin = 0.005 * (ends[1] - ends[0])
-    wave.set_xlim((ends[0] - margin) / unit_s, (ends[1] + margin) / unit_s)
+    wave.set_xlim(limits_of(ends, unit_s))
     wave.grid(axis="y")
     numbered = 8 if any(recording.epochs for recording, _ in panel) else 0
     if many:
         more = [f"and {len(panel) - MAX_NAMED} more"] if len(panel) > MAX_NAMED else []
-        wave.legend(handles[:MAX_NAMED], peaks[:MAX_NAMED], title=more[0] if more else None, fontsize=8, title_fontsize=8, frameon=False,
-                    loc="lower right", bbox_to_anchor=(1, 1), borderaxespad=0.2, labelspacing=0.2)  # above, where it hides no curve
+        handles = handles[:MAX_NAMED] + [Line2D([], [], ls="none")] * len(more)
+        wave.legend(handles, peaks[:MAX_NAMED] + more, fontsize=8, title_fontsize=8, frameon=False, loc="lower right", bbox_to_anchor=(1, 1),
+                    borderaxespad=(1.6 + numbered) / 8, labelspacing=0.2)  # above, where it hides no curve
         note(lines, bands[:MAX_NAMED] + more)
     else:
         note(wave, peaks, above=numbered)
@@ -168,7 +176,7 @@ def height_of(panel):
 
 def common_drive(recordings):
     """The drive's frequency of all recordings that say one, and the largest [Hz]; None: they have several, or none."""
-    drives = {recording.drive for recording in recordings if recording.drive}
+    drives = {frequency for recording in recordings for frequency in recording.drives}
     return next(iter(drives)) if len(drives) == 1 else None, max(drives, default=None)
 
 

@@ -41,6 +41,9 @@ public:
             take_rate_from_times();
         }
         ahead_ = names_.has_rows && read_row();
+        if (const auto moved = axis_.moved_origin(printable_whole(path_.string()))) {
+            options_.tell(*moved);
+        }
     }
 
     const RecordingHead& head() const noexcept override { return head_; }
@@ -180,9 +183,6 @@ private:
             } catch (const TimeFault& fault) {
                 go_to_row(fault.row());
                 lines_.fail(fault.what());
-            }
-            if (const auto moved = axis_.moved_origin(printable_whole(path_.string()), times)) {
-                options_.tell(*moved);
             }
         }
         head_.sample_rate_hz = axis_.sample_rate_hz();
