@@ -159,6 +159,10 @@ class Pictures(InAFolder):
             t = np.arange(first, end) / 1e6
             recording = _draw.recording_of({"t_s": t, "v": np.sin(t * 1e6)}, about)
             self.assertEqual((recording.drives, recording.lowest(), recording.epochs), (drives, lowest, epochs))
+        figure = drawn([recording])  # of the change before it has the number, and no line
+        self.assertIn(" 2", [text.get_text() for text in figure.axes[0].texts])
+        self.assertEqual(sum(len(lines.get_segments()) for lines in figure.axes[0].collections), 0)
+        matplotlib.pyplot.close(figure)
 
     def test_a_change_that_is_damaged_takes_no_other_one_away(self):
         from hertzline._draw import recordings
@@ -166,7 +170,7 @@ class Pictures(InAFolder):
         for damaged in (3, {"epoch": 1}, {"epoch": "x"}, {"epoch": 2, "sample": 10**400, "set": {}}, {"epoch": 2, "sample": 20, "set": []},
                         *({"epoch": 2, "sample": 20, "set": {"drive.frequency_hz": f}} for f in (None, "1e5", -1, 10**400, float("inf"), 1e5))):
             about = {"sample_rate_hz": 1e6, "provenance": {"scene": {"drive": {"frequency_hz": 73e3}}, "changes": [damaged, good, damaged]}}
-            self.assertEqual(recordings.drives_of(about, 0, 100)[-1:], [1e5], damaged)
+            self.assertEqual(recordings.drives_of(about, 0, 100), [73e3, 1e5], damaged)
             self.assertIn((1, 1e-5), recordings.epochs_in(about, np.arange(100) / 1e6))
         for scene in (None, 3, {"drive": []}, {"drive": {"frequency_hz": "x"}}):
             self.assertEqual(recordings.drives_of({"provenance": {"scene": scene, "changes": 3}}), [])
@@ -211,13 +215,16 @@ class Pictures(InAFolder):
         self.assertTrue(left < 1e-4 and right > 1e-2 and low < 1e-2 and high > 1)
         matplotlib.pyplot.close(figure)
 
-    def test_points_that_are_repeated_are_dots(self):
+    def test_points_without_cells_are_dots(self):
         from hertzline import _draw
-        columns = {"point": np.arange(4.0), "chain.preload_n": np.array([0.1, 0.1, 0.3, 0.3]), "end.thickness_m": np.array([1, 1, 2, 2.0]),
-                   "status": np.array(["ok"] * 4), "thd_r": np.arange(4.0)}
-        figure = _draw.draw_sweep(_draw.Sweep(columns, {}, {}), ["thd_r"], "")
-        self.assertEqual(len(figure.axes[0].collections[0].get_offsets()), 4)
-        matplotlib.pyplot.close(figure)
+        for preloads, thicknesses in (([0.1, 0.1, 0.3, 0.3], [1, 1, 2, 2]),  # repeated
+                                      ([1e-300, 1, 1e300] * 2, [1, 1, 1, 2, 2, 2])):  # the cell of the last one would be infinite
+            count = len(preloads)
+            columns = {"point": np.arange(count), "chain.preload_n": np.array(preloads), "end.thickness_m": np.array(thicknesses, dtype=float),
+                       "status": np.array(["ok"] * count), "thd_r": np.arange(float(count))}
+            figure = _draw.draw_sweep(_draw.Sweep(columns, {}, {}), ["thd_r"], "")
+            self.assertEqual(len(figure.axes[0].collections[0].get_offsets()), count)
+            matplotlib.pyplot.close(figure)
 
     def test_a_legend_names_curves_that_differ(self):
         from hertzline import _draw
@@ -229,6 +236,10 @@ class Pictures(InAFolder):
         self.assertEqual((names[0], names[-1], len(names)), (r"\$w0\$", "and 17 more", 24))
         styles = {(line.get_color(), str(line.get_linestyle()), tuple(line._dash_pattern[1] or ())) for line in figure.axes[0].lines[:23]}
         self.assertEqual(len(styles), 23)
+        matplotlib.pyplot.close(figure)
+        words = {key: column[::2] for key, column in columns.items() if key != "chain.preload_n"}
+        figure = _draw.draw_sweep(_draw.Sweep(words, {}, {}), ["thd_r"], "")
+        self.assertEqual(figure.axes[0].get_xticklabels()[0].get_text(), r"\$w0\$")
         figure.savefig(self.folder / "x.png")
         matplotlib.pyplot.close(figure)
 
