@@ -337,6 +337,14 @@ TEST_P(CsvDialect, IsRead) {
     EXPECT_THAT(read.warnings, testing::IsEmpty());
 }
 
+TEST(CsvFile, TellsThatAFileOfAnOscilloscopeBeganBeforeItsTrigger) {
+    const Read read = read_csv("x-axis,1\nsecond,Volt\n-5e-3,0.5\n-4e-3,-1.5\n-3e-3,2\n");
+    ASSERT_EQ(read.rows.size(), 1U);
+    EXPECT_EQ(read.rows[0].first, 0);
+    EXPECT_THAT(read.warnings,
+                ElementsAre(testing::EndsWith("its times begin at -0.005 s, which becomes 0")));
+}
+
 INSTANTIATE_TEST_SUITE_P(
     OfEachKind, CsvDialect,
     testing::Values(
@@ -352,7 +360,7 @@ INSTANTIATE_TEST_SUITE_P(
         "t_s,v,\n0,0.5,\n1e-3,-1.5,\n2e-3,2,\n", " t_s , v\n 0 , 0.5\n 1e-3 ,\t-1.5\n2e-3, 2 \n",
         "Date,1.4.2024\nTime,12:30:45\nSample Interval,1e-3\nTime (s),A\n0,0.5\n1e-3,-1.5\n2e-3,2\n",
         "Time,A\n(\xb5s),(V)\n0,0.5\n1000,-1.5\n2000,2\n",
-        "x-axis,1\nsecond,Volt\n-5e-3,0.5\n-4e-3,-1.5\n-3e-3,2\n", "Time (ns),A\n0,0.5\n1e6,-1.5\n2e6,2\n",
+        "x-axis,1\nsecond,Volt\n0,0.5\n1e-3,-1.5\n2e-3,2\n", "Time (ns),A\n0,0.5\n1e6,-1.5\n2e6,2\n",
         "Temps (ps),A\n0,0.5\n1e9,-1.5\n2e9,2\n", "tiempo (sec),A\n0,0.5\n1e-3,-1.5\n2e-3,2\n",
         "Tempo (seconds),A\n0,0.5\n1e-3,-1.5\n2e-3,2\n", "__time,A\n0,0.5\n1e-3,-1.5\n2e-3,2\n"));
 
