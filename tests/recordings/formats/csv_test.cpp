@@ -337,7 +337,7 @@ TEST_P(CsvDialect, IsRead) {
     EXPECT_THAT(read.warnings, testing::IsEmpty());
 }
 
-TEST(CsvFile, TellsThatAFileOfAnOscilloscopeBeganBeforeItsTrigger) {
+TEST(Csv, TellsThatAFileOfAnOscilloscopeBeganBeforeItsTrigger) {
     const Read read = read_csv("x-axis,1\nsecond,Volt\n-5e-3,0.5\n-4e-3,-1.5\n-3e-3,2\n");
     ASSERT_EQ(read.rows.size(), 1U);
     EXPECT_EQ(read.rows[0].first, 0);
