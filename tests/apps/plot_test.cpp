@@ -387,6 +387,10 @@ TEST(Plot, RefusesWrongNamesOfASweepWithAllThatThereAre) {
         hertzline({"plot", folder.file("s.csv"), folder.file("s.csv"), "-o", folder.file("s.png")});
     EXPECT_EQ(two.status, 2);
     EXPECT_THAT(two.err, HasSubstr("found a sweep among several files"));
+    const Outcome twice =
+        hertzline({"plot", folder.file("s.h5"), folder.file("s.h5"), "-o", folder.file("s.png")});
+    EXPECT_EQ(twice.status, 1);
+    EXPECT_THAT(twice.err, HasSubstr("a sweep, a search or a field is drawn by itself"));
 }
 
 TEST(Plot, NamesTheRowOfATableThatIsCutShort) {

@@ -280,6 +280,10 @@ Exit plot_any(const PlotOptions& options, const Window& window) {
             if (const auto drawn = plot_sweep_instead(options, error.what())) {
                 return *drawn;
             }
+            if (options.recordings.size() > 1 && recordings::recording_ending(file) == ".h5") {
+                throw std::runtime_error(std::string(error.what()) +
+                                         "; a sweep, a search or a field is drawn by itself");
+            }
             throw;
         }
         outlines.push_back(read_outline(*reader, file, options, window));
