@@ -121,10 +121,13 @@ void refuse_unknown_subcommand(int argc, char** argv) {
                                comma_separated(names), suggestion(argv[1], names)));
 }
 
+bool is_option(const std::string& word) {
+    return word.starts_with('-');
+}
+
 /// Returns the fault of words that no option or argument takes: of the first option, or else of the first word.
 std::string unknown_word(const CLI::App& command) {
     const std::vector<std::string> words = command.remaining();
-    const auto is_option = [](const std::string& word) { return word.starts_with('-'); };
     const auto option = std::ranges::find_if(words, is_option);
     if (option == words.end()) {
         return "found " + quoted_briefly(words.front()) + " behind the arguments";
@@ -160,8 +163,11 @@ std::string fault_of(const CLI::ParseError& error, const CLI::App& program) {
     const auto parsed = program.get_subcommands();
     const CLI::App& command = parsed.empty() ? program : *parsed.front();
     const auto is = [&](CLI::ExitCodes code) { return error.get_exit_code() == static_cast<int>(code); };
+    const bool unknown =
+        is(CLI::ExitCodes::ExtrasError) ||
+        (is(CLI::ExitCodes::RequiredError) && std::ranges::any_of(command.remaining(), is_option));
     return fmt::format("{}; hertzline {}--help lists what is allowed",
-                       is(CLI::ExitCodes::ExtrasError)       ? unknown_word(command)
+                       unknown                               ? unknown_word(command)
                        : is(CLI::ExitCodes::ConversionError) ? unreadable_number(error.what())
                                                              : printable(error.what()),
                        parsed.empty() ? "" : command.get_name() + ' ');

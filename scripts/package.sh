@@ -56,9 +56,14 @@ make_archive() {
         cp --dereference "$library" "$archive/lib"
         cp "/usr/share/doc/$package/copyright" "$documents/libraries/$package"
     done
-    for package in cppzmq-dev libcli11-dev libeigen3-dev libfmt-dev libhwy-dev libjemalloc-dev libspdlog-dev libtomlplusplus-dev nlohmann-json3-dev; do
-        cp "/usr/share/doc/$package/copyright" "$documents/libraries/$package" # compiled into the program
-    done
+    while read -r package; do
+        cp "/usr/share/doc/$package/copyright" "$documents/libraries/$package"
+    done <debian/compiled_in
+    # The texts that the notices name are part of Debian alone.
+    mkdir "$documents/common-licenses"
+    grep -rhoE '/usr/share/common-licenses/[A-Z][A-Za-z0-9.-]*[A-Za-z0-9]' "$documents/libraries" | sort -u |
+        xargs cp -t "$documents/common-licenses"
+    (cd "$documents/libraries" && dpkg-query -W -f '${Package}: source ${source:Package} ${source:Version} of Debian\n' -- *) >"$documents/SOURCES"
     # shellcheck disable=SC2016  # the loader expands it; RPATH, unlike RUNPATH, holds for the libraries' libraries as well
     patchelf --force-rpath --set-rpath '$ORIGIN/../lib' "$archive/bin/hertzline"
     tar -C "$work" --sort=name --mtime="@$(git log -1 --format=%ct)" --owner=0 --group=0 --numeric-owner -c "$name" |

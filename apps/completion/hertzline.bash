@@ -14,12 +14,14 @@ _hertzline() {
         words[-1]+=$part
         line=${line#"$part"}
     done
-    local typed=${words[-1]}
+    local typed=${words[-1]} quoted=
+    [[ $typed == [\"\']* ]] && quoted=yes
     typed=${typed#[\"\']}
     words[-1]=$typed
 
+    local program=${1//[\\\"\']/}  # as typed, with the quotes and backslashes of its blanks
     local answer paths
-    mapfile -t answer < <("${1/#\~\//$HOME/}" completion bash -- "${words[@]}" 2>/dev/null)
+    mapfile -t answer < <("${program/#\~\//$HOME/}" completion bash -- "${words[@]}" 2>/dev/null)
     paths=${answer[0]:-none}
     COMPREPLY=("${answer[@]:1}")
     COMPREPLY=("${COMPREPLY[@]%%$'\t'*}")
@@ -27,9 +29,9 @@ _hertzline() {
         compopt -o nospace
     fi
 
-    # readline replaces what follows the last = or : only
+    # readline replaces a word in quotes, and of others what follows the last = or :
     local last=${typed##*[=:]}
-    [[ $COMP_WORDBREAKS == *=* && $COMP_WORDBREAKS == *:* ]] || last=$typed
+    [[ -z $quoted && $COMP_WORDBREAKS == *=* && $COMP_WORDBREAKS == *:* ]] || last=$typed
     COMPREPLY=("${COMPREPLY[@]#"${typed%"$last"}"}")
 
     case $paths in
@@ -39,7 +41,7 @@ _hertzline() {
         if [[ $paths == folders || ${#COMPREPLY[@]} -gt 0 ]]; then
             compopt -o filenames
             local kind=-f
-            [[ $paths == folders ]] && kind=-d
+            [[ $paths == folders ]] && kind=-d && compopt +o default +o bashdefault
             mapfile -t -O "${#COMPREPLY[@]}" COMPREPLY < <(compgen "$kind" -- "$last")
         fi
         ;;

@@ -3,8 +3,8 @@
 
 _hertzline() {
     local -a answer plain open
-    local line text
-    answer=("${(@f)$(${~words[1]} completion zsh -- "${(@Q)words[2,CURRENT-1]}" "${(Q)PREFIX}" 2>/dev/null)}")
+    local line text program=${(Q)words[1]}
+    answer=("${(@f)$("${program/#\~\//$HOME/}" completion zsh -- "${(@Q)words[2,CURRENT-1]}" "${(Q)PREFIX}" 2>/dev/null)}")
     for line in "${(@)answer[2,-1]}"; do
         text=${${line%%$'\t'*}//:/\\:}:${line#*$'\t'}
         if [[ ${line%%$'\t'*} == *= ]]; then open+=("$text"); else plain+=("$text"); fi
@@ -13,7 +13,7 @@ _hertzline() {
     (( $#open )) && _describe -V word open -S ''
     case ${answer[1]} in
         files) _files ;;
-        folders) _files -/ ;;
+        folders) _path_files -/ ;;
     esac
 }
 

@@ -36,6 +36,12 @@ CASES = [
     ("plot recor", "recording one.npy"),
     ("scope --record-to bur", "bursts/"),
     ("sweep paper-wall --jobs my-sc", None),  # no file is a number
+    ("scope --record-to my-sc", None),  # nor a folder
+]
+# the same in terminals, where quotes are open
+QUOTED = [
+    ("check paper-wall --set 'end.material=pyr", "end.material=pyrex"),
+    ('check paper-wall --set "end.material=pyr', "end.material=pyrex"),
 ]
 
 
@@ -77,11 +83,18 @@ def in_terminal(folder, environment):
     terminal = Terminal(command, environment, folder)
     terminal.send(f"{setup}; echo REA''DY\n")
     terminal.wait_for("READY")
-    for typed, completed in CASES:
+    for typed, completed in CASES + QUOTED:
         words = terminal.line_with_tab(f"hertzline {typed}", "end")
         last = completed or typed.split()[-1]
         expected = [last, "end"] if completed and last[-1] not in "=/" else [last + "end"]  # a blank after a whole word
         assert words[-len(expected):] == expected, f"{typed}<tab>end: found {words}, expected {expected} at the end"
+    if not prefix:  # an installed program is completed by its name
+        terminal.send(f"mkdir 'with blank'; ln -s {program} 'with blank/hertzline'\n")
+        for place in ("with\\ blank/hertzline", "'with blank/hertzline'"):
+            terminal.send(f"{place} mater\t 2>&1 | head -c 9; echo DO''NE\x01printf '<%s>' ")
+            terminal.send("\n")
+            words = re.findall("<(.*?)>", terminal.wait_for(r"<with blank/hertzline>(<[^<>]*>)*")[0])
+            assert words[1] == "materials", f"{place} mater<tab>: found {words}"
     terminal.send("exit\n")
     os.waitpid(terminal.process, 0)
 

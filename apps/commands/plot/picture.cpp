@@ -174,7 +174,7 @@ std::optional<int> run_script(const fs::path& folder, recordings::StagedFile& pi
     }
     recordings::cannot_write(
         picture.path(),
-        fmt::format("pictures need Python with matplotlib, those of a sweep in HDF5 h5py, too, movies Pillow "
+        fmt::format("pictures need Python with matplotlib, those of tables in HDF5 h5py, too, movies Pillow "
                     "({}); on Debian: apt install python3-matplotlib python3-h5py python3-pil",
                     missing.empty() ? "there is no python3" : missing));
 }

@@ -46,7 +46,7 @@ constexpr const char* plot_examples =
     "key. Of a field: the pressure along a line, or the beam over a plane with lines at -6, -12 and -20 dB, "
     "over a box on three planes through its largest value; of one made with --waveforms also the spectrum at "
     "a point, the pressure over time along a line (waterfall), and over a plane as a movie, an animated GIF. "
-    "Needs Python with matplotlib, for .h5 files h5py, for movies Pillow.\n"
+    "Needs Python with matplotlib, for tables in .h5 files h5py, for movies Pillow.\n"
     "Examples:\n"
     "  hertzline plot burst.csv -o burst.png\n"
     "  hertzline plot live.h5 -o live.svg --columns v_out,f_last --from 0.5 --to 0.501\n"
