@@ -177,14 +177,15 @@ class Pictures(InAFolder):
 
     def test_several_drives_have_no_lines_in_common(self):
         from hertzline._draw import waveforms
-        v = {"t_s": np.arange(1000) / 1e6, "v": np.sin(np.arange(1000))}
-        one, other, unknown = (recorded(v, {"v": ("v", "m/s")}) for _ in range(3))
+        v = {"t_s": np.arange(1000) / 1e7, "v": np.sin(np.arange(1000))}
+        one, other, unknown = (recorded(v, {"v": ("v", "m/s")}, rate=1e7) for _ in range(3))
         one.drives, other.drives = [73e3], [1e5]
-        self.assertEqual(waveforms.common_drive([one, unknown]), (73e3, 73e3))
-        self.assertEqual(waveforms.common_drive([one, other]), (None, 1e5))
+        self.assertEqual(waveforms.frequencies_of([one, unknown]), (73e3, 10.5 * 73e3))
+        self.assertEqual(waveforms.frequencies_of([one, other]), (None, 10.5e5))
         unknown.drives = [73e3, 2e5]
-        self.assertEqual(waveforms.common_drive([one, unknown]), (None, 2e5))
+        self.assertEqual(waveforms.frequencies_of([one, unknown]), (None, 21e5))
         unknown.drives = []
+        self.assertEqual(waveforms.frequencies_of([unknown]), (None, 5e6))  # half the sample rate
         self.assertEqual((unknown.lowest(73e3), unknown.lowest(), other.lowest(73e3)), (36.5e3, 0, 5e4))
         other.band_from = 5e3
         self.assertEqual(other.lowest(73e3), 5e3)

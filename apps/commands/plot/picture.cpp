@@ -218,27 +218,6 @@ Json recorded_drive(const recordings::RecordingHead& head) {
                                                                        : Json(nullptr);
 }
 
-/// Returns the frequencies of the drive in those samples, in turn [Hz]; none where the recording does not say.
-std::vector<double> drive_frequencies(const Json& provenance, std::int64_t begin, std::int64_t end) {
-    const OutsideJson about(provenance);
-    std::vector<double> frequencies;
-    const auto add = [&](std::optional<double> frequency, std::int64_t sample) {
-        if (!frequency || !(*frequency > 0) || (!frequencies.empty() && frequencies.back() == *frequency)) {
-            return;
-        }
-        frequencies.resize(sample > begin ? frequencies.size() : 0);
-        frequencies.push_back(*frequency);
-    };
-    add(about.number("scene/drive/frequency_hz"), 0);
-    for (const Json& change : about.at("changes")) {
-        const OutsideJson changed(change);
-        if (const auto sample = changed.count("sample"); sample && *sample < end) {
-            add(changed.number("set/drive.frequency_hz"), *sample);
-        }
-    }
-    return frequencies;
-}
-
 /// Returns the script's options for a table.
 std::vector<std::string> options_of(const SweepChoice& choice) {
     std::vector<std::string> options;
@@ -285,12 +264,12 @@ Json description_of(const RecordingOutline& recording) {
                                                 head.sample_rate_hz});
         }
     }
-    const Outline::Part& part = recording.outline.longest();
-    const auto part_rows = static_cast<std::int64_t>(part.rows.size() / recording.outline.columns());
+    const OutsideJson provenance(head.provenance);
+    const Json drive{{"frequency_hz", provenance.at("scene/drive/frequency_hz")}};
     return {{"name", recording.name},
             {"columns", std::move(columns)},
             {"sample_rate_hz", head.sample_rate_hz},
-            {"drives_hz", drive_frequencies(head.provenance, part.first, part.first + part_rows)},
+            {"provenance", {{"scene", {{"drive", drive}}}, {"changes", provenance.at("changes")}}},
             {"band_from_hz", recording.band_from_hz ? Json(*recording.band_from_hz) : Json(nullptr)},
             {"drive", recorded_drive(head)},
             {"epochs", std::move(epochs)},
@@ -298,7 +277,7 @@ Json description_of(const RecordingOutline& recording) {
             {"end", recording.outline.end()},
             {"width", recording.outline.width()},
             {"stretches", recording.outline.low(0).size()},
-            {"part_first", part.first}};
+            {"part_first", recording.outline.longest().first}};
 }
 
 }  // namespace

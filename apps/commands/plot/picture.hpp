@@ -38,8 +38,8 @@ struct RecordingOutline {
     std::string name;                ///< in the legend
     recordings::RecordingHead head;  ///< its columns are those of the outline
     Outline outline;
-    std::optional<double> band_from_hz =
-        {};  ///< where bands begin [Hz]; unset: at half the drive's frequency
+    /// Where bands begin [Hz]; unset: at half the drive's frequency.
+    std::optional<double> band_from_hz = {};
 };
 
 /// Draws waveforms and spectra. Use it while stop_asked() notes signals: it leaves no incomplete picture.

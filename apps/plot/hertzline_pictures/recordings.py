@@ -33,6 +33,12 @@ class Recording:
     record: tuple = None  # that drove the horn: quantity, times [s], values
     band_from: float = None  # where the search for the maximum and for bands begins [Hz]; None: at half the drive's frequency
 
+    @property
+    def span(self):
+        """The time that a picture of it alone shows [s]: that of one sample at least."""
+        begin, end = self.ends
+        return begin, max(end, begin + 1 / self.rate)
+
     def lowest(self, drive=None):
         """Where bands begin [Hz]. drive: of the recordings beside it, for one that does not say its own"""
         return self.band_from if self.band_from is not None else min(self.drives, default=drive or 0) / 2
@@ -48,10 +54,11 @@ def reduced_recording(about, folder):
     columns, rate, width = len(about["columns"]), about["sample_rate_hz"], about["width"]
     numbers = np.fromfile(os.path.join(folder, about["numbers"]), dtype="<f8")
     outline, parts = np.split(numbers, [2 * columns * about["stretches"]])
-    outline = outline.reshape(columns, 2, -1)
-    return Recording(about["name"], about["columns"], rate, about["drives_hz"], about["epochs"],
+    outline, parts = outline.reshape(columns, 2, -1), parts.reshape(columns, -1)
+    return Recording(about["name"], about["columns"], rate,
+                     drives_of(about, about["part_first"], about["part_first"] + parts.shape[1]), about["epochs"],
                      middles(about["first"], about["end"], width, rate), (about["first"] / rate, (about["end"] - 1) / rate),
-                     width == 1, list(outline[:, 0]), list(outline[:, 1]), list(parts.reshape(columns, -1)),
+                     width == 1, list(outline[:, 0]), list(outline[:, 1]), list(parts),
                      about["part_first"] / rate, record_of(about["drive"]), about["band_from_hz"])
 
 

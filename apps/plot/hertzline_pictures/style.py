@@ -1,6 +1,7 @@
 """Style and small parts that all pictures share."""
 import matplotlib
 import numpy as np
+from matplotlib.lines import Line2D
 
 # Readers with deuteranopia, protanopia or tritanopia can tell them apart (Machado et al. 2009, doi:10.1109/TVCG.2009.113).
 COLOURS = ["#0b6e8a", "#c46a1b", "#202040", "#8a8a6a", "#c04fd8", "#2fc4c4"]
@@ -39,6 +40,13 @@ def line_style(number):
 def shortened(name, most=LONGEST_NAME):
     """The name without its middle, if it is long: beginnings and ends tell files apart."""
     return name if len(name) <= most else f"{name[:most // 2]}\u2026{name[-(most // 2):]}"
+
+
+def named_at_most(most, handles, labels):
+    """Handles and labels of a legend: the first ones, and how many more there are."""
+    if len(labels) <= most:
+        return handles, labels
+    return [*handles[:most], Line2D([], [], ls="none")], [*labels[:most], f"and {len(labels) - most} more"]
 
 
 def use_style(**more):

@@ -4,10 +4,10 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 from .recordings import recording_of
-from .spectra import HARMONICS, levels_up_to, prepare_spectrum, spectrum
-from .style import COLOURS, WrongUse, line_style, note, plain_text, titled, unit_of_time, use_style
+from .spectra import levels_up_to, prepare_spectrum, spectrum
+from .style import COLOURS, WrongUse, line_style, named_at_most, note, plain_text, titled, unit_of_time, use_style
 from .tables import read_waveforms
-from .waveforms import MAX_NAMED, common_drive, draw, draw_waveform
+from .waveforms import MAX_NAMED, draw, draw_waveform, frequencies_of
 
 LONGEST_LEGEND = 12  # entries of one column
 MOST_NAMED = 2 * LONGEST_LEGEND - 1  # the colours and dashes there are, but one
@@ -47,10 +47,7 @@ def write_words(axes, words):
 
 def legend_of(axes, title=None):
     """The legend, if there is anything in it."""
-    handles, labels = axes.get_legend_handles_labels()
-    if len(labels) > MOST_NAMED:
-        handles = handles[:MOST_NAMED] + [matplotlib.lines.Line2D([], [], ls="none")]
-        labels = labels[:MOST_NAMED] + [f"and {len(labels) - MOST_NAMED} more"]
+    handles, labels = named_at_most(MOST_NAMED, *axes.get_legend_handles_labels())
     if labels:
         place = {"loc": "upper left", "bbox_to_anchor": (1.0, 1.0)} if len(labels) > MOST_INSIDE else {}
         axes.legend(handles, labels, fontsize=8 if len(labels) <= LONGEST_LEGEND else 6, ncols=-(-len(labels) // LONGEST_LEGEND),
@@ -314,9 +311,7 @@ def draw_waveforms(sweep, path, names, title):
     colours = matplotlib.cm.ScalarMappable(scale(values.min(), values.max()), "viridis")
     figure, (wave, lines) = plt.subplots(2, 1, figsize=(8, 6), layout="constrained")
     unit_s, unit = unit_of_time(max(recording.ends[1] for recording in recordings))
-    drive, highest_drive = common_drive(recordings)
-    nyquist = max(recording.rate for recording in recordings) / 2
-    highest = min(nyquist, (HARMONICS + 0.5) * highest_drive) if highest_drive else nyquist
+    drive, highest = frequencies_of(recordings)
     prepare_spectrum(lines, highest, drive)
     for recording, value in zip(recordings, values):
         style = {"color": colours.to_rgba(value)}

@@ -4,11 +4,10 @@ import re
 import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.collections import LineCollection
-from matplotlib.lines import Line2D
 
 from .recordings import MAX_STRETCHES, furthest_from_0
 from .spectra import HARMONICS, draw_spectrum, prepare_spectrum
-from .style import line_style, note, plain_text, scale_of_unit, shortened, titled, unit_of_time, use_style
+from .style import line_style, named_at_most, note, plain_text, scale_of_unit, shortened, titled, unit_of_time, use_style
 
 FEWEST_ROWS = 4  # of a map of a chain over time; fewer spheres have a waveform each
 OF_CHAIN = {"v_chain": "velocity", "x_chain": "displacement", "f_chain": "force"}
@@ -110,10 +109,10 @@ def draw_chain(axes, panel, unit_s):
     largest = np.nanmax(np.abs(values)) or 1
     scale = scale_of_unit(largest)
     signed = quantity != "force"
-    begin, end = recording.ends
+    begin, end = recording.span
     rows = range(numbers[0], numbers[0] + len(numbers))
     image = axes.imshow(values / scale, aspect="auto", origin="lower", interpolation="nearest", rasterized=True,
-                        extent=(begin / unit_s, max(end, begin + 1 / recording.rate) / unit_s, rows[0] - 0.5, rows[-1] + 0.5),
+                        extent=(begin / unit_s, end / unit_s, rows[0] - 0.5, rows[-1] + 0.5),
                         cmap="RdBu_r" if signed else "magma", vmin=-largest / scale if signed else None, vmax=largest / scale)
     mark_epochs(axes, recording, unit_s, "#555555")
     axes.set_ylabel("contact, from the horn" if quantity == "force" else "sphere, from the horn")
@@ -123,7 +122,7 @@ def draw_chain(axes, panel, unit_s):
         step = -(-len(numbers) // MAX_ROW_NUMBERS)
         axes.set_yticks(rows[::step], numbers[::step])
     of = f"{unit} \u00d7 {scale:g}" if scale != 1 else unit
-    axes.set_xlim(limits_of((begin, max(end, begin + 1 / recording.rate)), unit_s))
+    axes.set_xlim(limits_of(recording.span, unit_s))
     axes.figure.colorbar(image, ax=axes, label=f"{quantity} [{of}]", pad=0.01)
 
 
@@ -154,11 +153,9 @@ def draw_panel(wave, lines, panel, styles, ends, unit_s, highest, drive, many):
     wave.grid(axis="y")
     numbered = 8 if any(recording.epochs for recording, _ in panel) else 0
     if many:
-        more = [f"and {len(panel) - MAX_NAMED} more"] if len(panel) > MAX_NAMED else []
-        handles = handles[:MAX_NAMED] + [Line2D([], [], ls="none")] * len(more)
-        wave.legend(handles, peaks[:MAX_NAMED] + more, fontsize=8, title_fontsize=8, frameon=False, loc="lower right", bbox_to_anchor=(1, 1),
+        wave.legend(*named_at_most(MAX_NAMED, handles, peaks), fontsize=8, frameon=False, loc="lower right", bbox_to_anchor=(1, 1),
                     borderaxespad=(1.6 + numbered) / 8, labelspacing=0.2)  # above, where it hides no curve
-        note(lines, bands[:MAX_NAMED] + more)
+        note(lines, named_at_most(MAX_NAMED, handles, bands)[1])
     else:
         note(wave, peaks, above=numbered)
         note(lines, bands)
@@ -174,10 +171,11 @@ def height_of(panel):
     return 3.5 if is_map(panel) else 1.8 + 0.14 * min(len(panel), MAX_NAMED + 1)
 
 
-def common_drive(recordings):
-    """The drive's frequency of all recordings that say one, and the largest [Hz]; None: they have several, or none."""
+def frequencies_of(recordings):
+    """The drive's frequency of all recordings that say one, None where they have several or none, and the end of the axis of spectra [Hz]."""
     drives = {frequency for recording in recordings for frequency in recording.drives}
-    return next(iter(drives)) if len(drives) == 1 else None, max(drives, default=None)
+    nyquist = max(recording.rate for recording in recordings) / 2
+    return next(iter(drives)) if len(drives) == 1 else None, min(nyquist, (HARMONICS + 0.5) * max(drives, default=np.inf))
 
 
 def notes_on_time(recordings):
@@ -195,11 +193,8 @@ def draw(recordings, title, rows=None):
     if rows is None and len(recordings) == 1:
         panels = chain_panels(panels)
     many = len(recordings) > 1
-    drive, highest_drive = common_drive(recordings)
-    nyquist = max(recording.rate for recording in recordings) / 2
-    highest = min(nyquist, (HARMONICS + 0.5) * highest_drive) if highest_drive else nyquist
-    ends = (min(recording.ends[0] for recording in recordings),
-            max(max(recording.ends[1], recording.ends[0] + 1 / recording.rate) for recording in recordings))
+    drive, highest = frequencies_of(recordings)
+    ends = min(recording.span[0] for recording in recordings), max(recording.span[1] for recording in recordings)
     unit_s, unit = unit_of_time(ends[1] - ends[0])
     if rows is None:
         heights = [height_of(panel) for panel in panels]
