@@ -6,6 +6,7 @@
 #include <map>
 #include <set>
 #include <stdexcept>
+#include <string_view>
 #include <utility>
 
 #include <fmt/format.h>
@@ -36,6 +37,15 @@ std::optional<std::string> head_fault(const RecordingHead& head) {
         }
     }
     return std::nullopt;
+}
+
+std::optional<std::string> table_in_place_of_recording(std::string_view first_column) {
+    const auto fault = [](std::string_view found) {
+        return fmt::format("found {}, allowed: a recording, which has samples over time", found);
+    };
+    return first_column == "point"          ? std::optional(fault("a table of a sweep, a search or a field"))
+           : first_column == "frequency_hz" ? std::optional(fault("a spectrum"))
+                                            : std::nullopt;
 }
 
 void require_undamaged(const std::filesystem::path& path, std::int64_t row, std::span<const double> values,

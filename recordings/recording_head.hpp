@@ -7,6 +7,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "core/scene/json.hpp"
@@ -31,6 +32,10 @@ RecordingHead head_of_channels(std::size_t channels, double sample_rate_hz, Numb
 
 /// Gives columns of another program names where they have none, and tells those of the same name apart: v, v_2.
 void name_apart(std::vector<Column>& columns);
+
+/// Returns the fault of a file that is a table in place of a recording, by the name of its first column: "point" of a sweep, a search
+/// or a field, "frequency_hz" of a spectrum.
+std::optional<std::string> table_in_place_of_recording(std::string_view first_column);
 
 /// Checks that all values that were read, row-major, are finite: no recording has other samples.
 /// @param row number of the first row in the file

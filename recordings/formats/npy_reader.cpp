@@ -115,6 +115,12 @@ private:
             return unit_of_time_column(field.name).has_value();
         };
         const auto time = std::ranges::find_if(array.fields, is_time);
+        const auto fault = time == array.fields.end() && !array.fields.empty()
+                               ? table_in_place_of_recording(array.fields.front().name)
+                               : std::nullopt;
+        if (fault) {
+            cannot_read(file_.path(), *fault);
+        }
         bool narrow = true;
         for (auto field = array.fields.begin(); field != array.fields.end(); ++field) {
             const NpyType type(field->type);

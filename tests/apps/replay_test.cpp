@@ -211,6 +211,28 @@ TEST(Replay, AFileOnWhichTheLibraryCrashesIsRefusedByName) {
     EXPECT_THAT(outcome.err, HasSubstr("cannot read " + file + ": "));
 }
 
+TEST(Replay, ATableIsNoRecordingAndIsCalledByItsName) {
+    const TemporaryFolder folder;
+    const auto refusal_of = [&](const std::string& name) {
+        const Outcome outcome = hertzline({"replay", folder.file(name), "--sample-rate", "1e6"});
+        EXPECT_EQ(outcome.status, 1) << name;
+        EXPECT_EQ(outcome.out, "") << name;
+        return outcome.err;
+    };
+    for (const std::string ending : {".csv", ".npy", ".h5"}) {
+        ASSERT_EQ(hertzline({"run", "paper-wall", "--spectrum", folder.file("s" + ending)}).status, 0);
+        EXPECT_THAT(refusal_of("s" + ending), HasSubstr("found a spectrum, allowed: a recording"));
+    }
+    for (const std::string ending : {".csv", ".h5"}) {
+        ASSERT_EQ(
+            hertzline({"sweep", "paper-wall", "--vary", "chain.spheres=5,6", "-o", folder.file("t" + ending)})
+                .status,
+            0);
+        EXPECT_THAT(refusal_of("t" + ending),
+                    HasSubstr("found a table of a sweep, a search or a field, allowed: a recording"));
+    }
+}
+
 TEST(Replay, AFileNameNeedNotBeText) {
     const TemporaryFolder folder;
     const std::string file = folder.file("b\xfcrst.csv");  // Latin-1

@@ -164,10 +164,12 @@ CsvNames read_csv_names(CsvLines& lines, bool rate_is_given) {
     CsvNames names;
     std::string_view tried = separators;
     std::string first;
+    std::string first_name;
     std::string place = lines.name();
     bool found = false;
     for (int i = 0; i < max_lines_before_names && !found && lines.next(); ++i) {
         const std::string_view line = lines.line();
+        first_name = first.empty() ? std::string(line.substr(0, line.find(','))) : first_name;
         first = first.empty() ? quoted_briefly(line) : first;
         if (line.starts_with("sep=") && line.size() == 5) {  // a spreadsheet's own
             tried = separators.substr(std::min(separators.find(line[4]), separators.size() - 1), 1);
@@ -182,6 +184,9 @@ CsvNames read_csv_names(CsvLines& lines, bool rate_is_given) {
     }
     if (!names.has_times) {
         return names;
+    }
+    if (const auto fault = found ? std::nullopt : table_in_place_of_recording(first_name)) {
+        throw std::runtime_error(place + ": " + *fault);
     }
     if (!found) {
         throw std::runtime_error(fmt::format(

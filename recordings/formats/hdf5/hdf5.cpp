@@ -305,6 +305,12 @@ private:
     }
 
     void read_head() {
+        for (const auto& [dataset, first_column] :
+             {std::pair("points", "point"), std::pair("frequency", "frequency_hz")}) {
+            if (file_->has(dataset) && !file_->has(captures_name)) {
+                throw std::runtime_error(*table_in_place_of_recording(first_column));
+            }
+        }
         Json description;
         description["sample_rate_hz"] = file_->number("sample_rate_hz");
         description["columns"] = json_from_outside(file_->text("columns"));
