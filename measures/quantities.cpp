@@ -224,7 +224,7 @@ const std::array table{
              "they overlap",
              [](R run) { return Json(run.contact_events); }},
     Quantity{G::contacts, "damping_law", "", K::text, C::none,
-             "how contacts lose energy ([model.md](model.md#3-contacts)), where it is not the paper's dashpot",
+             "how contacts lose energy ([docs/model.md](model.md#3-contacts)), where it is not the paper's dashpot",
              [](R run) { return Json(word(run.scene().chain.damping_law)); }, has_other_law},
 
     Quantity{G::trust, "estimated_error", "", K::number, C::first,
@@ -240,7 +240,7 @@ const std::array table{
              "good: the whole run",
              [](R run) { return run.resolved.estimate ? Json(run.resolved.estimate->over_s) : Json(nullptr); }},
     Quantity{G::trust, "energy_residual", "", K::number, C::among,
-             "energy missing in the ledger over the energy that came and went ([model.md](model.md#8-energy)); good: far below 1; with "
+             "energy missing in the ledger over the energy that came and went ([docs/model.md](model.md#8-energy)); good: far below 1; with "
              "series about the accuracy asked for, or below; above 0.1 there is a warning",
              [](R run) { return Json(run.energy_residual); }},
     Quantity{G::trust, "horn_source_j", "J", K::number, C::none,
@@ -256,7 +256,7 @@ const std::array table{
              [](R run) { return Json(run.holder_lost); }, has_holder},
     Quantity{G::trust, "plate_passed_j", "J", K::number, C::modal,
              "modal plates only: energy that the last contact passed to the plate "
-             "([model.md](model.md#10-the-plate-with-its-modes-in-a-fluid)); the next three add up to it",
+             "([docs/model.md](model.md#10-the-plate-with-its-modes-in-a-fluid)); the next three add up to it",
              of_plate<&PlateEnergy::passed>, has_plate_energy},
     Quantity{G::trust, "plate_lost_j", "J", K::number, C::modal,
              "energy that the plate's material lost",

@@ -46,6 +46,10 @@ struct ManOptions {
 
 constexpr const char* scene_page_name = "scene";
 
+constexpr const char* documents =
+    "Documents that these pages name, such as docs/measures.md and scenes/README.md, are part of the "
+    "sources. Debian's package hertzline-doc has them in /usr/share/doc/hertzline.";
+
 std::string heading(std::string_view text) {
     return fmt::format(".SH {}\n", text);
 }
@@ -203,8 +207,7 @@ std::string tables_of_run() {
     text += heading("NUMBERS OF THE SUMMARY");
     text += roff_paragraph(
         "f is the frequency of the drive, V_k the height of the line of the spectrum at k f. "
-        "docs/measures.md "
-        "explains the numbers at length.");
+        "docs/measures.md (DOCUMENTS in hertzline(1)) explains the numbers at length.");
     for (const measures::Quantity& quantity : measures::quantities()) {
         const bool of_tap = quantity.unit == "tap";
         text += entry(of_tap ? "peak_v_out_m_per_s" : quantity.name,
@@ -242,6 +245,7 @@ std::string command_page(const CLI::App& program, const CLI::App& app) {
     text += heading("EXIT STATUS");
     text += roff_paragraph(std::string(exit_statuses).substr(std::string("Exit status: ").size()));
     text += heading("EXAMPLES") + footer_part(footer.examples);
+    text += whole ? heading("DOCUMENTS") + roff_paragraph(documents) : "";
     return text + see_also(program, name + "(1)");
 }
 

@@ -14,6 +14,7 @@ import sys
 import tempfile
 
 program = sys.argv[1]
+root = pathlib.Path(__file__).resolve().parents[2]
 
 
 def output_of(*words):
@@ -57,6 +58,10 @@ def check_commands(pages):
         others = {f"{other}.{section}" for other, section in re.findall(r"^\.BR (\S+) \((\d)\)", page.replace("\\-", "-"), re.MULTILINE)}
         expect_equal(f"{name}, SEE ALSO", others, set(pages) - {name})
     assert output_of("man") == pages["hertzline.1"]
+    named = set(re.findall(r"[\w/-]+\.md", "".join(pages.values()).replace("\\-", "-")))
+    assert "docs/measures.md" in named and "/usr/share/doc/hertzline" in pages["hertzline.1"]
+    for document in named:
+        assert (root / document).is_file(), document
     assert output_of("man", "run") == pages["hertzline-run.1"]
 
 
