@@ -199,7 +199,7 @@ Exit parse_and_run(int argc, char** argv) {
         }
         std::ostringstream out;  // --help or --version
         app.exit(error, out, out);
-        print(out.str());
+        print_listing(out.str());
         return Exit::done;
     }
     const auto asked =

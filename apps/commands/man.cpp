@@ -331,7 +331,7 @@ std::string page_named(const CLI::App& program, const std::string& name) {
 
 Exit man(const CLI::App& program, const ManOptions& options) {
     if (options.folder.empty()) {
-        print(page_named(program, options.page));
+        print_listing(page_named(program, options.page));
         return Exit::done;
     }
     if (!options.page.empty()) {

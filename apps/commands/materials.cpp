@@ -59,7 +59,7 @@ Exit list_materials(Format format) {
         list.push_back(material_json(row));
         text += text_of(row);
     }
-    print(format == Format::json ? json_text(list) + '\n' : text);
+    print_listing(format == Format::json ? json_text(list) + '\n' : text);
     return Exit::done;
 }
 

@@ -43,7 +43,7 @@ void list_scenes(Format format) {
         list.push_back({{"name", scene.name}, {"description", scene.description}});
         text += fmt::format("{:<{}}  {}\n", scene.name, width, scene.description);
     }
-    print(format == Format::json ? json_text(list) + '\n' : text);
+    print_listing(format == Format::json ? json_text(list) + '\n' : text);
 }
 
 /// Returns a row of the tables in scenes/README.md.
@@ -55,14 +55,14 @@ std::string key_row(const SceneKey& key) {
 
 void list_keys(Format format) {
     if (format == Format::json) {
-        print(json_text(scene_schema()) + '\n');
+        print_listing(json_text(scene_schema()) + '\n');
         return;
     }
     std::string text = "| key | default | allowed |  |\n|---|---|---|---|\n";
     for (const SceneKey& key : documented_keys()) {
         text += key_row(key);
     }
-    print(text);
+    print_listing(text);
 }
 
 /// Writes a scene file with the error of its step.
@@ -98,13 +98,13 @@ Exit scenes(const ScenesOptions& options) {
         if (!parsed) {
             throw WrongUse(fault_text(parsed.error()));
         }
-        print(options.format == Format::json ? json_text(scene_json(parsed->scene)) + '\n'
-                                             : to_toml(parsed->scene));
+        print_listing(options.format == Format::json ? json_text(scene_json(parsed->scene)) + '\n'
+                                                     : to_toml(parsed->scene));
         return Exit::done;
     }
     const Resolution resolved = required_scene(options.scene);
-    print(options.format == Format::json ? json_text(scene_json(resolved.scene)) + '\n'
-                                         : annotated_toml(resolved, options.scene));
+    print_listing(options.format == Format::json ? json_text(scene_json(resolved.scene)) + '\n'
+                                                 : annotated_toml(resolved, options.scene));
     return Exit::done;
 }
 

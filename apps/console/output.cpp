@@ -63,6 +63,21 @@ std::string lines_of(const Json& summary, std::size_t width, std::string_view in
     return text;
 }
 
+/// Returns errno, or 0.
+int write_out(std::string_view text) {
+    static StandardStream output(STDOUT_FILENO);
+    return output.write(text);
+}
+
+void throw_unless_written(int error) {
+    if (error == EAGAIN) {
+        throw std::runtime_error("cannot write to standard output: it has no reader");
+    }
+    if (error != 0) {
+        throw std::system_error(error, std::generic_category(), "cannot write to standard output");
+    }
+}
+
 }  // namespace
 
 void add_format_option(CLI::App& command, Format& format, const char* description) {
@@ -71,14 +86,12 @@ void add_format_option(CLI::App& command, Format& format, const char* descriptio
 }
 
 void print(std::string_view text) {
-    static StandardStream output(STDOUT_FILENO);
-    const int error = output.write(text);
-    if (error == EAGAIN) {
-        throw std::runtime_error("cannot write to standard output: it has no reader");
-    }
-    if (error != 0) {
-        throw std::system_error(error, std::generic_category(), "cannot write to standard output");
-    }
+    throw_unless_written(write_out(text));
+}
+
+void print_listing(std::string_view text) {
+    const int error = write_out(text);
+    throw_unless_written(error == EPIPE ? 0 : error);
 }
 
 void print_summary(const Json& summary, Format format) {

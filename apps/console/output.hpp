@@ -22,6 +22,10 @@ void add_format_option(CLI::App& command, Format& format, const char* descriptio
 /// @throws std::runtime_error with the system's reason
 void print(std::string_view text);
 
+/// Prints a list or a page, of which a reader such as `head` may take a part: that it has gone is no error.
+/// @throws std::runtime_error with the system's reason, for any other
+void print_listing(std::string_view text);
+
 /// Prints a flat object: as JSON, or as text with a name and its value on each line.
 void print_summary(const Json& summary, Format format);
 

@@ -65,6 +65,14 @@ def nobody_reads_stdout(stand):
     check("cannot write to standard output: Broken pipe" in stream.messages.read_text(), "it does not say so")
 
 
+def a_listing_is_read_in_part(stand):
+    for words in (["--help"], ["scenes"], ["scenes", "--keys"], ["materials"], ["man", "scene"], ["completion", "bash"]):
+        writer = _pipe_without_a_reader()
+        outcome = stand.run(*words, stdout=writer)
+        os.close(writer)
+        check((outcome.returncode, outcome.stderr) == (0, ""), f"{words}: {outcome.returncode}: {outcome.stderr}")
+
+
 def nobody_reads_stderr(stand):
     with stand.stream(endpoint=f"ipc://{stand.folder}/socket", stderr=_pipe_without_a_reader()):
         time.sleep(0.3)

@@ -136,7 +136,7 @@ Exit complete(const CLI::App& program, std::span<const std::string> words) {
     for (const Choice& choice : found.choices) {
         text += fmt::format("{}\t{}\n", choice.text, plain_text(choice.doc));
     }
-    print(text);
+    print_listing(text);
     return Exit::done;
 }
 
@@ -149,7 +149,7 @@ Exit completion(const CLI::App& program, const CompletionOptions& options) {
     if (!options.words.empty()) {
         return complete(program, options.words);
     }
-    print(script->text);
+    print_listing(script->text);
     return Exit::done;
 }
 
