@@ -4,7 +4,9 @@
 #include <chrono>
 #include <future>
 
+#include <cxxabi.h>
 #include <pybind11/pybind11.h>
+#include <unistd.h>
 
 #include "recordings/recording_formats.hpp"
 
@@ -16,22 +18,35 @@ namespace py = pybind11;
 
 constexpr auto between_looks = std::chrono::milliseconds(50);  // for signals
 
-/// Whether a handler has raised. Needs no GIL.
-bool signal_raised() {
-    const py::gil_scoped_acquire with_python;
-    return PyErr_CheckSignals() != 0;
+}  // namespace
+
+/// After the end of the interpreter Python ends a thread that asks for the GIL by an exception (pthread_exit). Destructors on its way would
+/// ask once more, which aborts the process, and would wait for work; from version 3.14 on Python lets such threads wait, too.
+void WithoutPython::restore() noexcept {
+    try {
+        PyEval_RestoreThread(state_);
+    } catch (const abi::__forced_unwind&) {
+        while (true) {
+            ::pause();
+        }
+    }
 }
 
-}  // namespace
+bool WithoutPython::signal_raised() noexcept {
+    restore();
+    const bool raised = PyErr_CheckSignals() != 0;
+    state_ = PyEval_SaveThread();
+    return raised;
+}
 
 void interruptible(const Work& work) {
     bool raised = false;
     {
-        const WithoutPython without_python;
+        WithoutPython without_python;
         std::atomic<bool> stop{false};
         std::future<void> outcome = std::async(std::launch::async, std::cref(work), std::cref(stop));
         while (outcome.wait_for(between_looks) != std::future_status::ready) {
-            if (!raised && signal_raised()) {
+            if (!raised && without_python.signal_raised()) {
                 raised = true;
                 stop = true;
             }

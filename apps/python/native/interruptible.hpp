@@ -22,16 +22,21 @@ void interruptible(const Work& work);
 /// holds the GIL when it does.
 void interruptible_with_files(const std::vector<std::string>& paths, const Work& work);
 
-/// Lets other threads of Python run while it lives. Python ends a daemon thread that wants to go on after the interpreter by an exception
-/// (pthread_exit); it passes here, while the destructor of pybind11's gil_scoped_release would abort the program.
+/// Lets other threads of Python run while it lives. A daemon thread that wants to go on after the interpreter stays here until the process
+/// ends.
 class WithoutPython {
 public:
     WithoutPython() noexcept : state_(PyEval_SaveThread()) {}
-    ~WithoutPython() noexcept(false) { PyEval_RestoreThread(state_); }
+    ~WithoutPython() { restore(); }
     WithoutPython(const WithoutPython&) = delete;
     WithoutPython& operator=(const WithoutPython&) = delete;
 
+    /// Whether a handler of a signal has raised.
+    bool signal_raised() noexcept;
+
 private:
+    void restore() noexcept;
+
     PyThreadState* state_;
 };
 
