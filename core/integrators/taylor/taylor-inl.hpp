@@ -120,16 +120,25 @@ HWY_INLINE void save_terms(const Expansion<K, Degree, Kind>& e, std::integer_seq
     (save_term<N>(e), ...);
 }
 
-/// The largest overlap of the piece, which may lie within it: that of a parabola through the overlaps at both ends, and the slope at the
-/// first.
+/// The largest overlap so far, which may lie within the piece. A parabola through the overlaps at both ends, and the slope at the first,
+/// tells where; a step of Newton's method with its bend leads from there. What is far below the largest so far is not looked at.
 template <std::size_t K, int Degree, Damping Kind>
-HWY_INLINE Vec largest_overlap(const Expansion<K, Degree, Kind>& e, std::size_t k, Vec length) {
+HWY_INLINE Vec largest_overlap(const Expansion<K, Degree, Kind>& e, std::size_t k, Vec length, Vec before) {
     const Vec begin = e.d[0][k];
     const Vec end = value_at(e.d, k, length);
+    const Vec largest = Max(before, end);
     const Vec rise = e.d[1][k] * length;
     const Vec bend = begin + rise - end;
+    const Vec gain = rise / (splat(4.0) * bend);
     const Flags within = And(Gt(rise, zero()), Lt(rise, bend + bend));
-    return Max(end, IfThenElse(within, MulAdd(rise, rise / (splat(4.0) * bend), begin), end));
+    const Flags concerned = And(within, Gt(MulAdd(rise, gain, begin), splat(0.9) * largest));
+    if (HWY_LIKELY(AllFalse(Doubles(), concerned))) {
+        return largest;
+    }
+    const Vec z = (gain + gain) * length;
+    const Vec slope = slope_at(e.d, k, z) * length;
+    const Vec found = MulAdd(slope, slope / (splat(4.0) * bend), value_at(e.d, k, z));
+    return Max(largest, IfThenElse(concerned, found, largest));
 }
 
 /// Motion, contacts and series go to the chain and the piece.
@@ -147,7 +156,7 @@ HWY_INLINE void save(const Expansion<K, Degree, Kind>& e, double length) {
     e.rows.store(ChainField::closed, e.closed);
     e.rows.store(ChainField::overlap, e.overlaps);
     Col<K> peak = e.rows.load(ChainField::peak_overlap);
-    HERTZLINE_EACH_ROW(k, e.rows.count()) peak.set(k, Max(peak[k], largest_overlap(e, k, z)));
+    HERTZLINE_EACH_ROW(k, e.rows.count()) peak.set(k, largest_overlap(e, k, z, peak[k]));
     e.rows.store(ChainField::peak_overlap, peak);
     if constexpr (K > 0) {
         save_terms(e, std::make_integer_sequence<int, Degree + 1>());

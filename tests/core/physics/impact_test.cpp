@@ -122,7 +122,32 @@ TEST(SeriesPieces, ShowTheLargestOverlapOfAnImpactWherePiecesAreLong) {
                       Status::running);
             const double mass = 1 / simulation.chain().inv_mass[0];
             const double expected = largest_overlap(mass, simulation.chain().stiffness[1], speed);
-            EXPECT_NEAR(simulation.state().peak_overlap[1] / expected, 1, 3e-3) << accuracy << ' ' << speed;
+            EXPECT_NEAR(simulation.state().peak_overlap[1] / expected, 1, 3 * accuracy)
+                << accuracy << ' ' << speed;
+        }
+    }
+}
+
+TEST(SeriesPieces, ShowTheLargestForceBetweenUnequalSpheres) {
+    for (const double accuracy : {1e-2, 1e-3, 1e-4, 1e-6}) {
+        for (const double speed : {0.3, 1.0, 2.0}) {
+            Scene scene;
+            scene.drive.kind = DriveKind::none;
+            scene.chain.spheres = 2;
+            scene.chain.materials = {"tungsten_carbide", "ptfe"};
+            scene.chain.diameters_m = {4e-3, 1e-3};
+            scene.chain.preload_n = 0;
+            scene.chain.damping_kg_per_s = 0;
+            scene.chain.impact_velocity_m_per_s = speed;
+            scene.end.kind = EndKind::free;
+            scene.numerics.accuracy = accuracy;
+            Simulation simulation(resolve(scene));
+            EXPECT_EQ(simulation.skip(1000), Status::running);
+            const Eigen::ArrayXd& inv_mass = simulation.chain().inv_mass;
+            const double expected =
+                largest_overlap(1 / (inv_mass[0] + inv_mass[1]), simulation.chain().stiffness[1], speed);
+            EXPECT_NEAR(simulation.state().peak_overlap[1] / expected, 1, 3 * accuracy)
+                << accuracy << ' ' << speed;
         }
     }
 }
