@@ -59,7 +59,7 @@ bool is_array_of_several(const Run& run) {
 }
 
 bool has_poles(const Run& run) {
-    return run.scene().numerics.poles.has_value();
+    return run.scene().numerics.poles.has_value() && provides(run.scene(), Requires::modal_plate);
 }
 
 bool has_other_law(const Run& run) {
@@ -127,8 +127,7 @@ const std::array table{
              [](R run) { return Json(burst_shown_ratio(run.resolved.scene)); }},
     Quantity{G::result, "ringing_ratio", "", K::number, C::among,
              "largest value of `v_out` in the last period of the drive, over its peak: above 0.01 there is a warning; null of silence, "
-             "where bursts repeat, and where the run ends less than two periods after the burst, or, without a horn, "
-             "after the first `drive.cycles` periods",
+             "where bursts repeat, and where the run ends less than two periods after the burst, or, without a horn, after its start",
              [](R run) { return or_null(run.ringing_ratio); }},
 
     Quantity{G::spectrum, "fundamental_hz", "Hz", K::number, C::among,

@@ -28,9 +28,10 @@ std::string duration_setting(double seconds) {
     return fmt::format("output.duration_s={:.2g}", rounded_up(seconds));
 }
 
-/// Whether the record covers two periods after the burst.
+/// Whether the record covers two periods after the burst, or after the start where there is no horn.
 bool shows_ringing(const Scene& scene, std::size_t samples) {
-    const double burst_samples = std::floor(first_burst_end_s(scene) * scene.output.sample_rate_hz);
+    const double burst_s = scene.drive.kind == DriveKind::none ? 0 : first_burst_end_s(scene);
+    const double burst_samples = std::floor(burst_s * scene.output.sample_rate_hz);
     return static_cast<double>(samples) >= burst_samples + 2 * static_cast<double>(period_samples(scene));
 }
 

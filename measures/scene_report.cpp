@@ -14,6 +14,7 @@
 #include "core/integrators/stability.hpp"
 #include "core/model/chain.hpp"
 #include "core/model/contact_law.hpp"
+#include "core/model/drive.hpp"
 #include "core/model/end.hpp"
 #include "core/model/sampled_motion.hpp"
 #include "core/model/sphere_row.hpp"
@@ -198,14 +199,14 @@ void add_record(Report& report, const Drive& drive) {
         return;
     }
     const RecordFacts& record = SampledMotion::of(drive)->facts();
-    const bool velocity = drive.quantity == DriveQuantity::velocity;
+    const DriveQuantity quantity = recorded_quantity(drive);
+    const bool velocity = quantity == DriveQuantity::velocity;
     const char* const unit = velocity ? "m/s" : "m";
     const std::string suffix = velocity ? "_m_per_s" : "_m";
     report.push_back({"record", "samples", "record_samples", "", record.samples});
     report.push_back({"record", "sample rate", "record_sample_rate_hz", "Hz", *drive.sample_rate_hz});
     report.push_back({"record", "duration", "record_duration_s", "s", record.duration_s});
-    report.push_back({"record", "quantity", "record_quantity", "",
-                      std::string(word(drive.quantity.value_or(DriveQuantity::displacement)))});
+    report.push_back({"record", "quantity", "record_quantity", "", std::string(word(quantity))});
     report.push_back(
         {"record", "strongest line, or as set", "record_frequency_hz", "Hz", drive.frequency_hz});
     report.push_back(

@@ -11,6 +11,7 @@
 
 #include <fmt/format.h>
 
+#include "core/model/drive.hpp"
 #include "core/scene/scene_key.hpp"
 #include "core/scene/text.hpp"
 #include "core/scene/units.hpp"
@@ -120,10 +121,13 @@ std::optional<Fault> take_unit(Drive& drive, const Column& column,
 std::optional<double> strongest_line_hz(const Drive& drive) {
     const double rate = *drive.sample_rate_hz;
     std::vector<double> velocity = drive.samples;
-    if (drive.quantity == DriveQuantity::displacement) {
+    if (recorded_quantity(drive) == DriveQuantity::displacement) {
         std::adjacent_difference(velocity.begin(), velocity.end(), velocity.begin());
-        velocity.front() = 0;
+        velocity.front() = velocity.size() > 1 ? velocity[1] : 0;
     }
+    const double drift =
+        std::accumulate(velocity.begin(), velocity.end(), 0.0) / static_cast<double>(velocity.size());
+    std::ranges::for_each(velocity, [drift](double& v) { v -= drift; });
     SpectrumAnalyser analyser(velocity.size(), rate);
     const MagnitudeSpectrum spectrum = analyser.magnitudes(velocity);
     const std::vector<double>& levels = spectrum.amplitudes;

@@ -13,6 +13,10 @@
 
 namespace hertzline {
 
+DriveQuantity recorded_quantity(const Drive& drive) noexcept {
+    return drive.quantity.value_or(DriveQuantity::displacement);
+}
+
 double burst_duration_s(const Drive& drive) {
     return has_samples(drive) ? SampledMotion::of(drive)->facts().duration_s
                               : drive.cycles / drive.frequency_hz;

@@ -30,6 +30,9 @@ struct HornResonator {
     bool record = false;
 };
 
+/// The quantity of its samples, which is a displacement where the scene does not say.
+DriveQuantity recorded_quantity(const Drive& drive) noexcept;
+
 /// Whether the horn moves as samples say, which the scene has: a record's, or those that a live drive had.
 bool has_samples(const Drive& drive) noexcept;
 

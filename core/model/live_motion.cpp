@@ -3,13 +3,14 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/model/drive.hpp"
+
 namespace hertzline {
 
 LiveMotion::LiveMotion(const Drive& drive, double span_s)
     : scale_(drive.scale.value_or(1)),
-      velocity_(drive.quantity == DriveQuantity::velocity),
-      reconstruction_(*drive.sample_rate_hz, lowpass_hz(drive),
-                      drive.quantity.value_or(DriveQuantity::displacement)) {
+      velocity_(recorded_quantity(drive) == DriveQuantity::velocity),
+      reconstruction_(*drive.sample_rate_hz, lowpass_hz(drive), recorded_quantity(drive)) {
     const double samples = std::ceil(span_s * *drive.sample_rate_hz);
     const std::size_t most = reconstruction_.most_pieces(portion);
     ring_.resize(2 * most + reconstruction_.most_pieces(static_cast<std::size_t>(samples)));

@@ -8,6 +8,7 @@
 #include <stdexcept>
 #include <vector>
 
+#include "core/model/drive.hpp"
 #include "core/model/reconstruction.hpp"
 #include "core/scene/latest_results.hpp"
 
@@ -39,7 +40,7 @@ std::vector<double> levelled(const Drive& drive, double rate, RecordFacts& facts
     const std::size_t count = samples.size();
     const std::size_t part = count / 20;
     facts.offset = samples.front();
-    if (drive.quantity == DriveQuantity::velocity) {
+    if (recorded_quantity(drive) == DriveQuantity::velocity) {
         facts.drift_m_per_s = mean_of(samples);
         const std::span<const double> all(samples);
         facts.drift_removed =
@@ -82,11 +83,11 @@ double lowpass_hz(const Drive& drive) noexcept {
 
 SampledMotion::SampledMotion(const Drive& drive) {
     if (drive.samples.empty() || !drive.sample_rate_hz) {
-        throw std::invalid_argument("the record of drive.file was not read, or its rate is not known");
+        throw std::invalid_argument("the drive's record was not read, or its rate is not known");
     }
     const double rate = *drive.sample_rate_hz;
     const double edge = lowpass_hz(drive);
-    const auto quantity = drive.quantity.value_or(DriveQuantity::displacement);
+    const DriveQuantity quantity = recorded_quantity(drive);
     const std::vector<double> record = levelled(drive, rate, facts_);
     facts_.samples = static_cast<std::int64_t>(record.size());
     facts_.duration_s = static_cast<double>(record.size() - 1) / rate;

@@ -181,30 +181,30 @@ void add_record(const Scene& scene, std::vector<std::string>& warnings) {
     const RecordFacts& record = SampledMotion::of(drive)->facts();
     const auto percent = [](double share) { return briefly(100 * share) + " %"; };
     if (record.largest_velocity == 0) {
-        warnings.emplace_back("the record of drive.file does not move: all of its samples are alike");
+        warnings.emplace_back("the drive's record does not move: all of its samples are alike");
     }
     constexpr double noticed = 0.01;
     if (record.end_share > noticed && drive.start_s + record.duration_s < scene.output.duration_s) {
-        warnings.push_back("the record of drive.file ends amid a motion, at " + percent(record.end_share) +
+        warnings.push_back("the drive's record ends amid a motion, at " + percent(record.end_share) +
                            " of its largest velocity: there it stops at once");
     }
     if (record.beyond_share > noticed) {
         warnings.push_back("the low-pass at " + briefly(lowpass_hz(drive)) + " Hz (drive.lowpass_hz) takes " +
-                           percent(record.beyond_share) + " of the record of drive.file");
+                           percent(record.beyond_share) + " of the drive's record");
     }
     if (record.noise_velocity > noticed * record.largest_velocity) {
-        warnings.push_back("the noise of the record of drive.file moves the horn at up to " +
+        warnings.push_back("the noise of the drive's record moves the horn at up to " +
                            briefly(record.noise_velocity) + " m/s rms, " +
                            percent(record.noise_velocity / record.largest_velocity) +
                            " of its largest velocity; a lower drive.lowpass_hz takes more of it");
     }
     if (record.drift_removed) {
-        warnings.push_back("the record of drive.file drifts by " + briefly(record.drift_m_per_s) +
+        warnings.push_back("the drive's record drifts by " + briefly(record.drift_m_per_s) +
                            " m/s, which is removed");
     }
     constexpr double far = 0.03;  // of the largest displacement
     if (!record.drift_removed && record.end_displacement_m > far * record.largest_displacement_m) {
-        warnings.push_back("the record of drive.file ends " + briefly(record.end_displacement_m) +
+        warnings.push_back("the drive's record ends " + briefly(record.end_displacement_m) +
                            " m from its beginning, " +
                            percent(record.end_displacement_m / record.largest_displacement_m) +
                            " of its largest displacement, and the horn stays there; a drift of the "
@@ -213,13 +213,13 @@ void add_record(const Scene& scene, std::vector<std::string>& warnings) {
     constexpr double fewest = 7;  // samples in a period of a spline of degree 7 that errs by 1e-6
     if (const double samples = *drive.sample_rate_hz / record.mean_frequency_hz;
         samples < fewest && record.largest_velocity > 0) {
-        warnings.push_back("the record of drive.file has " + briefly(samples) +
+        warnings.push_back("the drive's record has " + briefly(samples) +
                            " samples in a period of its mean frequency; with less than 7 the motion between "
                            "them is not certain");
     }
     warn_of_suspicious_units(
-        std::array{SuspiciousUnit{"drive.file", record.largest_displacement_m,
-                                  record.largest_displacement_m >= 1e-3, "m",
+        std::array{SuspiciousUnit{"the largest displacement of the drive's record",
+                                  record.largest_displacement_m, record.largest_displacement_m >= 1e-3, "m",
                                   "micrometres (drive.scale), or a velocity (drive.quantity),"}},
         warnings);
 }

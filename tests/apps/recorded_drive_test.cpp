@@ -200,9 +200,9 @@ TEST_F(RecordedDrive, WarningsTellWhatIsOdd) {
     const Outcome less =
         hertzline(driven({"--set", "drive.lowpass_hz=40e3", "--set", "drive.repetition_hz=0"}));
     EXPECT_EQ(less.status, 2);
-    EXPECT_THAT(
-        hertzline(driven({"--set", "drive.scale=1e3"})).err,
-        AllOf(HasSubstr("drive.file is 0.00"), HasSubstr("were micrometres (drive.scale), or a velocity")));
+    EXPECT_THAT(hertzline(driven({"--set", "drive.scale=1e3"})).err,
+                AllOf(HasSubstr("the drive's record is 0.00"),
+                      HasSubstr("were micrometres (drive.scale), or a velocity")));
     const Outcome good = hertzline(driven({}));
     EXPECT_THAT(good.err, Not(HasSubstr("drive."))) << good.err;
 }

@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <filesystem>
+#include <functional>
 #include <numbers>
 #include <random>
 
@@ -249,6 +250,38 @@ TEST_F(DriveRecord, TheStrongestLineIsTakenUnlessItIsGivenWithTheRecord) {
     EXPECT_EQ(line(inside + "frequency_hz = 5e4\n", {}), 5e4);
     EXPECT_EQ(line(inside, {"drive.frequency_hz=5e4"}), 5e4);
     EXPECT_NEAR(line("[drive]\nfrequency_hz = 5e4\n", option), 73e3, 1e3) << "that of the tone before";
+}
+
+/// As the motion, which begins at 0 and drifts nowhere.
+TEST_F(DriveRecord, OffsetAndDriftHaveNoPartInTheStrongestLine) {
+    const auto line = [&](const std::function<double(double)>& motion, const std::string& quantity) {
+        std::string samples;
+        for (std::size_t i = 0; i < count; ++i) {
+            samples += fmt::format("{}, ", motion(static_cast<double>(i) / rate_hz));
+        }
+        test::write_text(folder_.file("scene.toml"), "[drive]\nkind = 'file'\nsample_rate_hz = 10e6\n" +
+                                                         quantity + "samples = [" + samples + "]\n");
+        const auto scene = parse_named_scene(folder_.file("scene.toml"), {}, [](const std::string&) {});
+        EXPECT_TRUE(scene) << (scene ? "" : fault_text(scene.error()));
+        return scene ? scene->scene.drive.frequency_hz : 0;
+    };
+    const std::string displacement = "quantity = 'displacement'\n";
+    const std::string velocity = "quantity = 'velocity'\n";
+    const auto displaced = [](double t) { return SmoothBurst::displacement(t) + 5e-6 + 0.02 * t; };
+    const auto moving = [](double t) { return SmoothBurst::velocity(t) + 0.5; };
+    const double expected = line(SmoothBurst::displacement, displacement);
+    EXPECT_NEAR(expected, 73e3, 1e3);
+    EXPECT_EQ(line(SmoothBurst::displacement, ""), expected) << "a displacement where nothing is said";
+    EXPECT_NEAR(line(displaced, ""), expected, 1);
+    EXPECT_NEAR(line(displaced, displacement), expected, 1);
+    EXPECT_NEAR(line(SmoothBurst::velocity, velocity), expected, 5);
+    EXPECT_NEAR(line(moving, velocity), expected, 5);
+    // of two tones the one by which the horn moves faster
+    const auto two = [](double t) {
+        return SmoothBurst::envelope(t) *
+               (std::sin(2 * std::numbers::pi * 20e3 * t) + 0.5 * std::sin(2 * std::numbers::pi * 100e3 * t));
+    };
+    EXPECT_NEAR(line(two, ""), 100e3, 2e3);
 }
 
 TEST_F(DriveRecord, TheSceneKeepsTheSamples) {
