@@ -371,12 +371,14 @@ int poles_for(const PlateParameters& parameters, double accuracy) {
     return passive != finest.end() ? *passive : most_poles;
 }
 
-int fine_poles(const PlateParameters& parameters, int other_than, std::size_t place) {
+std::optional<int> fine_poles(const PlateParameters& parameters, int other_than, double error,
+                              std::size_t place) {
     constexpr int apart = 4;  // fits of nearly as many poles have nearly the same errors
     std::vector<int> passive;
     std::vector<int> all;
     for (const int poles : {60, most_poles, 56, 52, 62, 58, 54}) {
-        if (std::abs(poles - other_than) < apart) {
+        if (std::abs(poles - other_than) < apart ||
+            !(plate_response(parameters, poles)->fit_error() < error)) {
             continue;
         }
         all.push_back(poles);
@@ -387,7 +389,7 @@ int fine_poles(const PlateParameters& parameters, int other_than, std::size_t pl
             return passive.back();
         }
     }
-    return all[place];
+    return place < all.size() ? std::optional(all[place]) : std::nullopt;
 }
 
 }  // namespace hertzline

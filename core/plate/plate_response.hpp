@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cstddef>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include <Eigen/Core>
@@ -58,8 +59,10 @@ std::shared_ptr<const ModeResponse> mode_response(const PlateResponse& response)
 /// As few poles as bring both errors below a share of the accuracy, in a passive fit; about as many as there may be if none do.
 int poles_for(const PlateParameters& parameters, double accuracy);
 
-/// The number of poles of a second fit, to compare motions with: 52 to 64, in a passive fit where there is one.
-/// @param other_than the poles of the first fit; the second has four more or fewer at least @param place 0 or 1: one of two such fits
-int fine_poles(const PlateParameters& parameters, int other_than, std::size_t place = 0);
+/// The number of poles of a second fit, to compare motions with: 52 to 64, in a passive fit where there is one; nothing where none has a
+/// smaller error. @param other_than the poles of the first fit; the second has four more or fewer at least
+/// @param error that the second must be below @param place 0 or 1: one of two such fits
+std::optional<int> fine_poles(const PlateParameters& parameters, int other_than, double error,
+                              std::size_t place = 0);
 
 }  // namespace hertzline

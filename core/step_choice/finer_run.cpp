@@ -25,7 +25,8 @@ constexpr double lowest_slope = 10;  // of log(error) over log(step), from below
 Scene with_finer_steps(const ResolvedScene& scene, std::size_t fit) {
     const double finer = is_series(scene.integrator()) ? finer_pieces : finer_grid;
     return with_another_fit(
-        without_sleep(with_step(scene.scene(), scene.integrator(), finer * scene.step_s())), fit);
+        without_sleep(with_step(scene.scene(), scene.integrator(), finer * scene.step_s())), default_accuracy,
+        fit);
 }
 
 /// Whether motions amplify errors so far that two fits of the discs which are alike by chance would hide them.

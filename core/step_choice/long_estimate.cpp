@@ -9,8 +9,9 @@ namespace {
 
 constexpr double affordable_body_pieces = 3e7;  // of the reference: thirty times those of ReferencePilot
 
-JudgedRun reference_with(const Scene& scene, double step_s, const std::atomic<bool>* stop) {
-    const Scene better = with_another_fit(without_sleep(with_step(scene, Integrator::taylor12, step_s)));
+JudgedRun reference_with(const Scene& scene, double step_s, double accuracy, const std::atomic<bool>* stop) {
+    const Scene better =
+        with_another_fit(without_sleep(with_step(scene, Integrator::taylor12, step_s)), accuracy);
     return {with_few_points(better), pilot_block, stop};
 }
 
@@ -23,8 +24,8 @@ LongEstimate::LongEstimate(const ResolvedScene& resolved, double accuracy, const
       longest_s_(reference_step_s_ * affordable_body_pieces /
                  (static_cast<double>(resolved.scene().chain.spheres) + 1)),
       used_(with_few_points(resolved.scene()), pilot_block, stop),
-      reference_(reference_with(resolved.scene(), reference_step_s_, stop)),
-      finer_(reference_with(resolved.scene(), finer * reference_step_s_, stop)),
+      reference_(reference_with(resolved.scene(), reference_step_s_, accuracy, stop)),
+      finer_(reference_with(resolved.scene(), finer * reference_step_s_, accuracy, stop)),
       event_rate_(resolved.scene().drive),
       errors_(reference_),
       own_errors_(reference_) {}

@@ -56,19 +56,20 @@ Scene without_sleep(Scene scene) {
     return scene;
 }
 
-Scene with_another_fit(Scene scene, std::size_t other) {
+Scene with_another_fit(Scene scene, double accuracy, std::size_t other) {
     if (!provides(scene, Requires::modal_plate)) {
         return scene;
     }
+    constexpr int as_fine = 52;
     const PlateParameters parameters = plate_parameters(scene);
     const int given = plate_poles(scene);
-    const int poles = fine_poles(parameters, given, other);
-    constexpr int as_fine = 52;
+    const double error = plate_response(parameters, given)->fit_error();
     const double share = is_array(scene) || given >= as_fine ? 10 : 1;
-    const bool better =  // of a plate in a vacuum few poles are exact
-        plate_response(parameters, poles)->fit_error() <
-        share * plate_response(parameters, given)->fit_error();
-    scene.numerics.poles = better ? poles : given;
+    auto poles = fine_poles(parameters, given, share * error, other);
+    if (!poles && scene.medium.load != FluidLoad::none) {  // of a plate in a vacuum few poles are exact
+        poles = fine_poles(parameters, given, accuracy / 3, other);
+    }
+    scene.numerics.poles = poles.value_or(given);
     return scene;
 }
 

@@ -33,8 +33,9 @@ Scene with_step(Scene scene, Integrator integrator, double step_s);
 Scene without_sleep(Scene scene);
 
 /// The scene with another fit of a modal plate's response, about as good as any: the motions' difference shows the effect of a fit's
-/// error, which may be far larger than that error. @param other 0 or 1: one of two such fits
-Scene with_another_fit(Scene scene, std::size_t other = 0);
+/// error, which may be far larger than that error. The same scene where there is no such fit.
+/// @param accuracy a third of which its error may be, where none has as small a one as the scene's @param other 0 or 1: one of two such fits
+Scene with_another_fit(Scene scene, double accuracy, std::size_t other = 0);
 
 /// The scene with no more points than pilots can afford to judge: a part of them, evenly spread.
 Scene with_few_points(Scene scene);

@@ -132,8 +132,8 @@ ReferencePilot::ReferencePilot(const Scene& scene, double accuracy, double piece
                           for_bursts.seconds(step_s_, static_cast<double>(chain.bodies())))),
       period_s_(watched_period_s(scene, chain)),
       scene_(sampled_for(shortened(scene), period_s_, watched_s_)),
-      motion_(with_another_fit(scene_), reference_integrator, step_s_, stop),
-      finer_(with_another_fit(scene_), reference_integrator, finer * step_s_, stop),
+      motion_(with_another_fit(scene_, accuracy_), reference_integrator, step_s_, stop),
+      finer_(with_another_fit(scene_, accuracy_), reference_integrator, finer * step_s_, stop),
       shortened_(scene.chain.spheres > pilot_spheres),
       same_samples_(!shortened_ && scene_.output.sample_rate_hz == scene.output.sample_rate_hz) {
     motion_.run_to(samples_in(watched_s_), most_body_pieces);
@@ -211,8 +211,8 @@ bool ReferencePilot::needs_finer_fit() {
 }
 
 void ReferencePilot::take_finer_fit() {
-    scene_ = with_another_fit(std::move(scene_));
-    other_fit_.emplace(with_another_fit(scene_), reference_integrator, step_s_, stop_);
+    scene_ = with_another_fit(std::move(scene_), accuracy_);
+    other_fit_.emplace(with_another_fit(scene_, accuracy_), reference_integrator, step_s_, stop_);
 }
 
 Trial ReferencePilot::trial(Integrator integrator, double step_s, double rest_tolerance) {

@@ -89,7 +89,9 @@ void estimate(Resolution& result, ReferencePilot& reference, std::optional<Trial
         return;
     }
     ErrorEstimate found = reference.estimate(*trial, result.run_s);
-    const double of_reference = reference.fit_amplification() * pole_error(with_another_fit(result.scene));
+    const Scene& used = result.scene;
+    const Scene other = with_another_fit(used, result.asked.accuracy.value_or(default_accuracy));
+    const double of_reference = reference.fit_amplification() * std::min(pole_error(other), pole_error(used));
     found.error = std::max(found.error, least_error) + of_reference;
     if (!std::isfinite(found.error)) {
         return;
@@ -218,7 +220,8 @@ Resolution resolve(const Scene& given, std::optional<double> run_s, const std::a
     ReferencePilot reference = reference_for(result.scene, result, stop);
     if (reference.needs_finer_fit() && !asked.numerics.poles) {
         reference.take_finer_fit();
-        result.scene = with_another_fit(std::move(result.scene));
+        result.scene =
+            with_another_fit(std::move(result.scene), asked.numerics.accuracy.value_or(default_accuracy));
     }
     AdvisedStep advised = advise(result.scene, reference);
     result.advice = advised.advice;
