@@ -173,6 +173,17 @@ class Scenes(InAFolder):
         self.assertEqual(found, {key: said[key] for key in found})
         self.assertGreater(len(found), 30)
 
+    def test_a_live_scene_is_checked_and_not_run(self):
+        said = json.loads(program("check", "paper-wall", "--set", "drive.kind=live", "--json"))
+        scene = hertzline.scene("paper-wall", drive={"kind": "live"})
+        found = scene.check()
+        found.pop("warnings")
+        self.assertEqual(found, {key: said[key] for key in found})
+        self.assertGreater(found["latency_s"], 0)
+        for work in (scene.run, lambda: hertzline.Simulation(scene)):
+            with self.assertRaisesRegex(ValueError, 'drive.kind: found "live" without samples, allowed: a stream'):
+                work()
+
     def test_check_refuses_a_step_beyond_stability(self):
         scene = short_scene(numerics={"integrator": "leapfrog", "step_s": 1e-5})
         with self.assertRaisesRegex(ValueError, "numerics.step_s: found 1e-05, allowed: "):

@@ -95,7 +95,7 @@ void simulate(const Resolution& resolved, const RunRequest& request, const std::
 std::shared_ptr<RunResult> run(SceneObject& object, const std::optional<std::vector<std::string>>& taps,
                                const std::vector<std::string>& measure, std::optional<double> band_from_hz) {
     const RunRequest request = checked(object.scene(), taps, measure, band_from_hz);
-    const std::shared_ptr<const Resolution> resolved = object.resolved();
+    const std::shared_ptr<const Resolution> resolved = object.resolved_to_run();
     require_memory("simulating " + printable_whole(object.origin()), memory_of(resolved->scene, request));
     auto result = std::make_shared<RunResult>();
     result->sample_rate_hz = resolved->scene.output.sample_rate_hz;

@@ -10,6 +10,7 @@
 #include "apps/python/native/interruptible.hpp"
 #include "apps/python/native/module.hpp"
 #include "apps/python/native/python_values.hpp"
+#include "core/model/drive.hpp"
 #include "core/scene/json.hpp"
 #include "core/scene/scene_json.hpp"
 #include "core/scene/scene_key.hpp"
@@ -95,7 +96,9 @@ std::shared_ptr<const Resolution> SceneObject::resolved() {
         require_memory("simulating " + printable_whole(origin()), Simulation::memory_bytes(scene(), {}));
         std::optional<Resolution> found;
         interruptible([&](const std::atomic<bool>& stop) {
-            found = hertzline::resolve(scene(), scene().output.duration_s, &stop);
+            const auto run_s =
+                awaits_samples(scene().drive) ? std::nullopt : std::optional(scene().output.duration_s);
+            found = hertzline::resolve(scene(), run_s, &stop);
         });
         if (!found->faults.empty()) {
             for (Fault& fault : found->faults) {
@@ -106,6 +109,13 @@ std::shared_ptr<const Resolution> SceneObject::resolved() {
         resolved_ = std::make_shared<const Resolution>(*std::move(found));
     }
     return resolved_;
+}
+
+std::shared_ptr<const Resolution> SceneObject::resolved_to_run() {
+    if (const auto fault = awaited_samples_fault(scene().drive)) {
+        throw py::value_error(fault_text(std::vector{parsed_.placed(*fault)}));
+    }
+    return resolved();
 }
 
 void add_scene(py::module_& module) {

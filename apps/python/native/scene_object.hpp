@@ -22,6 +22,9 @@ public:
     /// meanwhile. @throws py::value_error with every fault; py::error_already_set: MemoryError, KeyboardInterrupt
     std::shared_ptr<const Resolution> resolved();
 
+    /// The same, to simulate it. @throws py::value_error for a live drive, too, whose samples only a stream has
+    std::shared_ptr<const Resolution> resolved_to_run();
+
 private:
     ParsedScene parsed_;
     std::shared_ptr<const Resolution> resolved_;  // nullptr: not yet

@@ -111,7 +111,7 @@ std::unique_ptr<Steps> simulation_of(SceneObject& object,
         faults.add("taps: found none, allowed: at least one");
     }
     faults.refuse<py::value_error>();
-    return std::make_unique<Steps>(*object.resolved(), taps);
+    return std::make_unique<Steps>(*object.resolved_to_run(), taps);
 }
 
 /// A function of Steps that calls act(simulation) when no other thread uses it.
