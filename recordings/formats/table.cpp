@@ -292,8 +292,9 @@ std::optional<std::string> table_fault(const fs::path& path, const Table& table)
     if (format != nullptr && holds(*format, table)) {
         return std::nullopt;
     }
-    return fmt::format("{}: found the ending {}, allowed: {}", printable_whole(path.string()),
-                       quoted_briefly(recording_ending(path)), table_endings(table));
+    return fmt::format("{}: found the ending {}, allowed: {}{}", printable_whole(path.string()),
+                       quoted_briefly(recording_ending(path)), table_endings(table),
+                       table.samples ? ", which holds waveforms, too" : "");
 }
 
 double table_bytes(const fs::path& path, std::span<const TableColumn> columns, double rows,

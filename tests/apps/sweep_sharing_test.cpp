@@ -245,8 +245,9 @@ TEST_F(SharedSweep, WritesSeveralTablesAtOnce) {
     const Outcome wrong = swept({"-o", folder.file("a.csv"), "-o", folder.file("b.txt"), "-o",
                                  folder.file("./a.csv"), "--waveforms", "v_out"});
     EXPECT_EQ(wrong.status, 2);
-    EXPECT_THAT(wrong.err, AllOf(HasSubstr("a.csv: found the ending \".csv\", allowed: .h5"),
-                                 HasSubstr("b.txt: found the ending \".txt\"")));
+    EXPECT_THAT(wrong.err,
+                AllOf(HasSubstr("a.csv: found the ending \".csv\", allowed: .h5, which holds waveforms, too"),
+                      HasSubstr("b.txt: found the ending \".txt\"")));
     const Outcome twice = swept({"-o", folder.file("a.csv"), "-o", folder.file("./a.csv")});
     EXPECT_EQ(twice.status, 2);
     EXPECT_THAT(twice.err, HasSubstr("allowed: each file once"));
