@@ -374,22 +374,24 @@ int poles_for(const PlateParameters& parameters, double accuracy) {
 std::optional<int> fine_poles(const PlateParameters& parameters, int other_than, double error,
                               std::size_t place) {
     constexpr int apart = 4;  // fits of nearly as many poles have nearly the same errors
-    std::vector<int> passive;
+    bool any_passive = false;
+    std::size_t found = 0;  // passive ones with small enough errors
     std::vector<int> all;
     for (const int poles : {60, most_poles, 56, 52, 62, 58, 54}) {
-        if (std::abs(poles - other_than) < apart ||
-            !(plate_response(parameters, poles)->fit_error() < error)) {
+        if (std::abs(poles - other_than) < apart) {
+            continue;
+        }
+        const bool passive = is_passive(parameters, poles);
+        any_passive = any_passive || passive;
+        if (!(plate_response(parameters, poles)->fit_error() < error)) {
             continue;
         }
         all.push_back(poles);
-        if (is_passive(parameters, poles)) {
-            passive.push_back(poles);
-        }
-        if (passive.size() > place) {
-            return passive.back();
+        if (passive && found++ == place) {
+            return poles;
         }
     }
-    return place < all.size() ? std::optional(all[place]) : std::nullopt;
+    return !any_passive && place < all.size() ? std::optional(all[place]) : std::nullopt;
 }
 
 }  // namespace hertzline
