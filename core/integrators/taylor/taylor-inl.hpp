@@ -121,7 +121,7 @@ HWY_INLINE void save_terms(const Expansion<K, Degree, Kind>& e, std::integer_seq
 }
 
 /// The largest overlap so far, which may lie within the piece. A parabola through the overlaps at both ends, and the slope at the first,
-/// tells where; a step of Newton's method with its bend leads from there. What is far below the largest so far is not looked at.
+/// has its vertex nearby; a step of Newton's method from there finds it. A vertex far below the largest overlap before is passed over.
 template <std::size_t K, int Degree, Damping Kind>
 HWY_INLINE Vec largest_overlap(const Expansion<K, Degree, Kind>& e, std::size_t k, Vec length, Vec before) {
     const Vec begin = e.d[0][k];
@@ -129,13 +129,13 @@ HWY_INLINE Vec largest_overlap(const Expansion<K, Degree, Kind>& e, std::size_t 
     const Vec largest = Max(before, end);
     const Vec rise = e.d[1][k] * length;
     const Vec bend = begin + rise - end;
-    const Vec gain = rise / (splat(4.0) * bend);
+    const Vec vertex = rise / (bend + bend);  // a part of the piece
     const Flags within = And(Gt(rise, zero()), Lt(rise, bend + bend));
-    const Flags concerned = And(within, Gt(MulAdd(rise, gain, begin), splat(0.9) * largest));
+    const Flags concerned = And(within, Gt(MulAdd(splat(0.5) * rise, vertex, begin), splat(0.9) * largest));
     if (HWY_LIKELY(AllFalse(Doubles(), concerned))) {
         return largest;
     }
-    const Vec z = (gain + gain) * length;
+    const Vec z = vertex * length;
     const Vec slope = slope_at(e.d, k, z) * length;
     const Vec found = MulAdd(slope, slope / (splat(4.0) * bend), value_at(e.d, k, z));
     return Max(largest, IfThenElse(concerned, found, largest));
