@@ -72,7 +72,7 @@ Resolution of_chains(const Scene& asked, Choice choice, const std::atomic<bool>*
     result.asked = asked.numerics;
     result.integrator_reason = integrator_choice(asked).reason;
     result.step_set_by_scene = asked.numerics.step_s.has_value();
-    result.advice.accuracy = asked.numerics.accuracy.value_or(default_accuracy);
+    result.advice.accuracy = asked_accuracy(asked.numerics);
     std::optional<double> step = asked.numerics.step_s;
     std::optional<std::int64_t> poles = asked.numerics.poles;
     for (auto& [chain, element] : distinct_chains(asked)) {

@@ -46,7 +46,7 @@ std::optional<Resolution> resolve_unmeasured(const Scene& asked) {
     result.asked = asked.numerics;
     const IntegratorChoice choice = integrator_choice(asked);
     result.integrator_reason = choice.reason;
-    result.advice.accuracy = asked.numerics.accuracy.value_or(default_accuracy);
+    result.advice.accuracy = asked_accuracy(asked.numerics);
     if (asked.numerics.step_s || !is_series(choice.integrator) || asked.chain.spheres > pilot_spheres ||
         !model_faults(asked).empty() || takes_two_fits(asked)) {
         return std::nullopt;

@@ -43,7 +43,7 @@ Fault too_stiff(double step_s) {
 ReferencePilot reference_for(const Scene& scene, Resolution& result, const std::atomic<bool>* stop) {
     constexpr double of_a_given_step = 1e-10;  // the error that it may have
     constexpr double helps = 0.5;              // amplified rounding does not fall
-    const double accuracy = scene.numerics.accuracy.value_or(default_accuracy);
+    const double accuracy = asked_accuracy(scene.numerics);
     const double good = scene.numerics.step_s ? of_a_given_step : accuracy / 2;
     double piece_error = piece_error_for(accuracy);
     ReferencePilot reference(scene, accuracy, piece_error, stop);
@@ -90,7 +90,7 @@ void estimate(Resolution& result, ReferencePilot& reference, std::optional<Trial
     }
     ErrorEstimate found = reference.estimate(*trial, result.run_s);
     const Scene& used = result.scene;
-    const Scene other = with_another_fit(used, result.asked.accuracy.value_or(default_accuracy));
+    const Scene other = with_another_fit(used, asked_accuracy(result.asked));
     const double of_reference = reference.fit_amplification() * std::min(pole_error(other), pole_error(used));
     found.error = std::max(found.error, least_error) + of_reference;
     if (!std::isfinite(found.error)) {
@@ -145,7 +145,7 @@ IntegratorChoice integrator_choice(const Scene& scene) noexcept {
     if (scene.numerics.integrator) {
         return {*scene.numerics.integrator, IntegratorReason::set_by_scene};
     }
-    const double accuracy = scene.numerics.accuracy.value_or(default_accuracy);
+    const double accuracy = asked_accuracy(scene.numerics);
     if (accuracy < high_accuracy) {
         return {Integrator::taylor12, IntegratorReason::high_accuracy};
     }
@@ -220,8 +220,7 @@ Resolution resolve(const Scene& given, std::optional<double> run_s, const std::a
     ReferencePilot reference = reference_for(result.scene, result, stop);
     if (reference.needs_finer_fit() && !asked.numerics.poles) {
         reference.take_finer_fit();
-        result.scene =
-            with_another_fit(std::move(result.scene), asked.numerics.accuracy.value_or(default_accuracy));
+        result.scene = with_another_fit(std::move(result.scene), asked_accuracy(asked.numerics));
     }
     AdvisedStep advised = advise(result.scene, reference);
     result.advice = advised.advice;

@@ -12,11 +12,11 @@
 
 namespace hertzline {
 
-namespace {
-
-double asked_accuracy(const Scene& scene) noexcept {
-    return scene.numerics.accuracy.value_or(default_accuracy);
+double asked_accuracy(const Numerics& numerics) noexcept {
+    return numerics.accuracy.value_or(default_accuracy);
 }
+
+namespace {
 
 constexpr double most = 0.6;  // of the wanted accuracy that a pilot may show
 
@@ -58,7 +58,7 @@ double coarsest_step(const Scene& scene) {
 
 AdvisedStep advise_on_grid(const Scene& scene, ReferencePilot& reference) {
     const Integrator integrator = *scene.numerics.integrator;
-    const double accuracy = asked_accuracy(scene);
+    const double accuracy = asked_accuracy(scene.numerics);
     const double target = grid_safety * accuracy;
     const double bodies = static_cast<double>(reference.spheres()) + 1;
     const double first = coarsest_step(scene);
@@ -152,7 +152,7 @@ std::optional<Trial> longest_good(const TrialOf& trial_of, double accuracy, doub
 AdvisedStep advise_series(const Scene& scene, ReferencePilot& reference, const Chain& chain,
                           double largest_stable_s) {
     const Integrator integrator = *scene.numerics.integrator;
-    const double accuracy = asked_accuracy(scene);
+    const double accuracy = asked_accuracy(scene.numerics);
     const Eigen::ArrayXd expected = expected_overlaps(chain, scene.drive);
     const double omega = fastest_frequency(chain, expected);
     const double limit = longest_piece(scene, chain, expected, largest_stable_s);
@@ -197,7 +197,7 @@ AdvisedStep advise(const Scene& scene, ReferencePilot& reference) {
     AdvisedStep advised = is_series(integrator) ? advise_series(scene, reference, chain, largest_stable_s)
                                                 : advise_on_grid(scene, reference);
     StepAdvice& advice = advised.advice;
-    advice.accuracy = asked_accuracy(scene);
+    advice.accuracy = asked_accuracy(scene.numerics);
     advice.recommended_step_s = advised.trial.step_s;
     advice.estimated_error = advised.trial.error;
     advice.accuracy_met = advised.trial.error <= advice.accuracy;

@@ -19,6 +19,9 @@ struct IntegratorChoice {
 };
 IntegratorChoice integrator_choice(const Scene& scene) noexcept;
 
+/// The accuracy to aim at: numerics.accuracy or default_accuracy.
+double asked_accuracy(const Numerics& numerics) noexcept;
+
 /// The scene with its integrator set.
 Scene with_integrator(Scene scene);
 
@@ -28,7 +31,7 @@ Scene with_poles(Scene scene);
 double pole_error(const Scene& scene);
 
 /// Advice for a valid scene. Independent of output.duration_s, so that runs of any length agree bit for bit.
-/// Aims at numerics.accuracy or default_accuracy. @throws std::bad_alloc
+/// Aims at asked_accuracy(). @throws std::bad_alloc
 StepAdvice advise_step(const Scene& scene);
 
 /// An advice, and the pilot with the recommended step.
