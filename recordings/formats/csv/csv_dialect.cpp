@@ -163,14 +163,14 @@ CsvNames read_csv_names(CsvLines& lines, bool rate_is_given) {
     const CsvLines::Place beginning = lines.place();
     CsvNames names;
     std::string_view tried = separators;
-    std::string first;
-    std::string first_name;
+    std::optional<std::string> first;
     std::string place = lines.name();
     bool found = false;
     for (int i = 0; i < max_lines_before_names && !found && lines.next(); ++i) {
         const std::string_view line = lines.line();
-        first_name = first.empty() ? std::string(line.substr(0, line.find(','))) : first_name;
-        first = first.empty() ? quoted_briefly(line) : first;
+        if (!first) {
+            first = line;
+        }
         if (line.starts_with("sep=") && line.size() == 5) {  // a spreadsheet's own
             tried = separators.substr(std::min(separators.find(line[4]), separators.size() - 1), 1);
             continue;
@@ -185,7 +185,10 @@ CsvNames read_csv_names(CsvLines& lines, bool rate_is_given) {
     if (!names.has_times) {
         return names;
     }
-    if (const auto fault = found ? std::nullopt : table_in_place_of_recording(first_name)) {
+    const std::string names_of_first = first.value_or("");
+    if (const auto fault =
+            found ? std::nullopt
+                  : table_in_place_of_recording(names_of_first.substr(0, names_of_first.find(',')))) {
         throw std::runtime_error(place + ": " + *fault);
     }
     if (!found) {
@@ -193,7 +196,7 @@ CsvNames read_csv_names(CsvLines& lines, bool rate_is_given) {
             "{}: found the column names {}, allowed: {} (or a time with its unit, \"Time (ms)\") and others "
             "after it; write such a line above the numbers of a file without it, as \"t_s;v_out_m_per_s\", "
             "or give the rate of a file of one column",
-            place, first.empty() ? "\"\"" : first, csv_time_column));
+            place, quoted_briefly(names_of_first), csv_time_column));
     }
     name_apart(names.columns);
     names.first_row = lines.place();
