@@ -32,8 +32,8 @@ using AddCommand = Run(CLI::App& app);
 /// NAME_command.
 #define HERTZLINE_SUBCOMMANDS(ROW)                                                    \
     ROW(run, "simulate a scene as fast as possible, to files and a summary")          \
-    ROW(sweep, "vary keys of a scene: simulate each point, to a table")               \
-    ROW(field, "the sound at the points of a plane before a modal plate, to a table") \
+    ROW(sweep, "vary keys of a scene and simulate each point, to a table")            \
+    ROW(field, "compute the sound at points in front of a modal plate, to a table")   \
     ROW(optimise, "search ranges of a scene's keys for the best point, under bounds") \
     ROW(stream, "simulate a scene in step with the clock and publish it")             \
     ROW(replay, "publish a recording as if it were live")                             \
@@ -45,7 +45,7 @@ using AddCommand = Run(CLI::App& app);
     ROW(scenes, "list the shipped scenes, or print one with every default resolved")  \
     ROW(materials, "list the built-in materials, their numbers and sources")          \
     ROW(check, "validate a scene; print derived values and advice on its step")       \
-    ROW(keys, "make a key pair for streams that encrypt")                             \
+    ROW(keys, "make a key pair for encrypted streams")                                \
     ROW(man, "print a manual page, or write all of them")                             \
     ROW(completion, "print the script with which a shell completes command lines")
 

@@ -79,8 +79,8 @@ void measure(Run& run, SpectrumAnalyser* analyser, std::optional<double> band_fr
     append(run.warnings, late_sound_warnings(scene));
     if (constexpr double far_off = 0.1; !(run.energy_residual <= far_off)) {
         run.warnings.push_back(
-            fmt::format("the ledger of energy does not close: energy_residual is {:.2g} of what came and "
-                        "went, so the motion is not "
+            fmt::format("the ledger of energy does not close: energy_residual is {:.2g} of the energy that "
+                        "came and went, so the motion is not "
                         "that of the scene; a shorter numerics.step_s, or another numerics.integrator, shows "
                         "whether it changes",
                         run.energy_residual));
@@ -182,7 +182,7 @@ std::string reason_of_miss(const Resolution& resolved) {
                "energy_residual and statistics, not sample by sample";
     }
     if (resolved.scene.numerics.rest_tolerance > 0) {
-        return "; numerics.rest_tolerance cuts off what rings more quietly, which is a part of it";
+        return "; part of it is the quieter ringing that numerics.rest_tolerance cuts off";
     }
     if (!advice.accuracy_met) {
         return "";

@@ -108,11 +108,11 @@ const std::array table{
              "the largest at each of them, in their order; columns of tables have the first ten",
              [](R run) { return or_null(run.peaks_p_points); }, has_points},
     Quantity{G::result, "first_arrival_s", "s", K::number, C::modal,
-             "when the pressure at the first of them first exceeds half of its peak: of a burst that rises slowly, long after the first sound",
+             "first time at which the pressure at the first point exceeds half of its peak; long after the first sound if the burst rises slowly",
              [](R run) { return or_null(run.first_arrival_s); }, has_points},
     Quantity{G::result, "spot_width_m", "m", K::number, C::modal,
              "width of the spot at -6 dB of its peak pressure, along a straight line of `output.points_m`; null where the pressure has not "
-             "fallen as far at both ends, or the points are no such line in its order",
+             "fallen as far at both ends, or the points do not form such a line in order",
              [](R run) { return or_null(spot_width_m(run)); }, has_points},
     Quantity{G::result, "side_lobe_db", "dB", K::number, C::modal,
              "the largest peak pressure along that line beyond the first minimum on each side, over that of the spot; null where neither "
@@ -134,11 +134,11 @@ const std::array table{
              "f",
              [](Sp s) { return Json(s.fundamental_hz); }},
     Quantity{G::spectrum, "harmonics_db", "dB", K::harmonics, C::among,
-             "V_1 to V_10 under the largest of them; fewer if half the sample rate ends before; null of silence, and for f above half the "
+             "V_1 to V_10 relative to the largest; fewer if half the sample rate ends before; null of silence, and for f above half the "
              "sample rate",
              [](Sp s) { return or_null(s.harmonics_db); }},
     Quantity{G::spectrum, "subharmonic_db", "dB", K::number, C::among,
-             "the line at f/2 under the largest harmonic; null as `harmonics_db`",
+             "the line at f/2 relative to the largest harmonic; null as `harmonics_db`",
              [](Sp s) { return or_null(s.subharmonic_db); }},
     Quantity{G::spectrum, "thd_r", "", K::number, C::among,
              "sqrt(V_2² + ... + V_10²) / sqrt(V_1² + ... + V_10²), between 0 and 1, of those that are there; null as `harmonics_db`, and "
@@ -155,11 +155,11 @@ const std::array table{
              "sample rate",
              [](Sp s) { return or_null(s.strongest_hz); }},
     Quantity{G::spectrum, "dc_db", "dB", K::number, C::among,
-             "level at 0 Hz under that maximum, both of the Fourier sum: 6 dB above that of `--spectrum`, whose line at 0 Hz is the mean; "
+             "DC level relative to that maximum, both of the Fourier sum: 6 dB above that of `--spectrum`, whose line at 0 Hz is the mean; "
              "null as `strongest_hz`",
              [](Sp s) { return or_null(s.dc_db); }},
     Quantity{G::spectrum, "below_db", "dB", K::number, C::among,
-             "largest level below `band_from_hz`, 0 Hz included, under that maximum; null as `strongest_hz`",
+             "largest level below `band_from_hz`, 0 Hz included, relative to that maximum; null as `strongest_hz`",
              [](Sp s) { return or_null(s.below_db); }},
     Quantity{G::spectrum, "bandwidth_6db_hz", "Hz", K::number, C::among,
              "span between the two edges at -6 dB, holes included; null as `strongest_hz`",
@@ -229,8 +229,8 @@ const std::array table{
     Quantity{G::trust, "estimated_error", "", K::number, C::first,
              "relative L2 error of the worst of `v_last` and the plate's outputs (`v_plate`, `v_out`; of a modal plate `v_centre`, `v_face`, "
              "`p_axis`, `p_points`, and the error of its fit), from a pilot run with the step in use "
-             "([choice of the step](../core/README.md#ask-for-an-accuracy-not-a-step)); good: at most `numerics.accuracy`, else there is a warning, "
-             "unless the scene gives its step: it asks for no accuracy, and is warned of above 0.05, or above 1e-4 where the motion amplifies "
+             "([choice of the step](../core/README.md#ask-for-an-accuracy-not-a-step)); good: at most `numerics.accuracy`, else there is a warning; "
+             "where the scene gives its step, the warning comes above 0.05, or above 1e-4 where the motion amplifies "
              "rounding errors; null when the step is too short for a pilot run of about a second",
              [](R run) { return run.resolved.estimate ? Json(run.resolved.estimate->error) : Json(nullptr); }},
     Quantity{G::trust, "estimated_over_s", "s", K::number, C::first,
@@ -283,7 +283,7 @@ const std::array table{
              "of a modal plate's response (`numerics.poles`); only with such a plate",
              [](R run) { return Json(*run.scene().numerics.poles); }, has_poles},
     Quantity{G::run, "elements", "", K::count, C::none,
-             "chains of the array, whose `v_out` and `v_last` are those of the middle one, the first of those nearest the mean of their places; only of "
+             "chains of the array; `v_out` and `v_last` are those of the middle one, the first of those nearest the mean position; only for "
              "arrays",
              [](R run) { return Json(run.scene().array.x_m.size()); }, is_array_of_several},
     Quantity{G::run, "steps", "", K::count, C::last,

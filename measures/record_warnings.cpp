@@ -67,8 +67,8 @@ std::optional<std::string> cut_off(const Scene& scene) {
         return std::nullopt;
     }
     return fmt::format(
-        "harmonics above half the sample rate ({:g} Hz) are not reported, and samples are not filtered: what "
-        "lies above appears below; output.sample_rate_hz={:.2g} would show ten harmonics",
+        "harmonics above half the sample rate ({:g} Hz) are not reported, and samples are not filtered: all "
+        "energy above it is aliased; output.sample_rate_hz={:.2g} would show ten harmonics",
         nyquist, rounded_up(4 * highest));
 }
 
@@ -160,7 +160,7 @@ std::optional<double> ringing_ratio(const Scene& scene, std::span<const double> 
 std::vector<std::string> band_warnings(std::string_view output, const SpectrumSummary& spectrum) {
     if (!spectrum.strongest_hz && !spectrum.harmonics_db.empty()) {
         return {
-            fmt::format("bands of {} are not there: they are looked for from {:g} Hz on (--band-from), "
+            fmt::format("{} has no bands: the search begins at {:g} Hz (--band-from), "
                         "above half the sample rate",
                         output, spectrum.lowest_hz)};
     }
@@ -173,7 +173,7 @@ std::vector<std::string> band_warnings(std::string_view output, const SpectrumSu
     if (spectrum.lowest_hz > 0 && spectrum.band_20db &&
         spectrum.band_20db->low_hz <= spectrum.lowest_hz * (1 + 1e-12)) {
         return {
-            fmt::format("the -20 dB band of {} begins at {:g} Hz, from where on it is looked for: it goes on "
+            fmt::format("the -20 dB band of {} begins at {:g} Hz, where the search begins: it may go on "
                         "below, where "
                         "--band-from 0 looks",
                         output, spectrum.lowest_hz)};

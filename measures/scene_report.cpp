@@ -215,7 +215,7 @@ void add_record(Report& report, const Drive& drive) {
         {"record", "largest velocity", "record_velocity_m_per_s", "m/s", record.largest_velocity});
     report.push_back({"record", "low-pass keeps, up to", "record_lowpass_hz", "Hz", lowpass_hz(drive)});
     report.push_back(
-        {"record", "low-pass takes, rms of the rest", "record_beyond_ratio", "", record.beyond_share});
+        {"record", "rms removed, over rms of the rest", "record_beyond_ratio", "", record.beyond_share});
     report.push_back({"record", "noise floor, rms, at most", "record_noise" + suffix, unit, record.noise});
     report.push_back({"record", "its velocity that is kept, rms", "record_noise_velocity_m_per_s", "m/s",
                       record.noise_velocity});

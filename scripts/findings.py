@@ -446,7 +446,7 @@ A finding that is not confirmed is reported as such. "No" refers to the criterio
 
 ## Assumptions that decide a finding
 
-Waves with the lengths of the disc's first four modes have 46.4, 173.3, 365.4 and 603.8 kHz in a layer of vitreous carbon of 0.5 mm by
+Waves as long as those of the disc's first four modes have 46.4, 173.3, 365.4 and 603.8 kHz in a layer of vitreous carbon of 0.5 mm by
 the exact equations of elasticity (Lamb's waves). At these wavelengths thick-plate theory is 0.03 to 0.3 % below, thin-plate theory 2, 6,
 13 and 21 % above. (In thick-plate theory the modes have other wavelengths, and lie lower: [model.md](model.md).) So where the two
 columns differ, "wet, thick" is the one to believe. Three more things are not known: the taper of the burst, the loss in the disc, and how
@@ -475,7 +475,7 @@ many modes count, since a point force under a thick plate excites all of them. T
 
 {levels}
 
-Levels are under the largest harmonic of the same run. In water acrylic suppresses the third as it does by the formula.
+Levels are under the largest harmonic of the same run. In water acrylic suppresses the third harmonic, as in the formula.
 Silicone rubber does not: its pressure is low at all harmonics, and the third is 2 to 12 dB under the largest of them.
 
 {peaks}

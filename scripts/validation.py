@@ -284,7 +284,7 @@ def focusing(program):
     loudest = lambda peaks: 1000 * line[int(np.argmax(peaks))][0]
     at = line.index([12e-3, 0, depth_m])
     one = of([4.0], [[12e-3, 0, depth_m]], [0.0])["peaks_p_points_pa"][0]
-    return [row("20 spheres of 2 mm on a disc in water: way of a weak wave at 16 N over that at 1 N, as F₀^(−1/6)", "Hertz's law, weak waves", 0.630,
+    return [row("20 spheres of 2 mm on a disc in water: travel time of a weak wave, 16 N over 1 N, as F₀^(−1/6)", "Hertz's law, weak waves", 0.630,
                 ways[16] / ways[1], 0.04, 3),
             row("five such chains, preloads that focus at x = 12 mm, z = 40 mm: loudest x at that depth [mm]", source, None, loudest(right), None, 0),
             row("... that focus at x = −12 mm: the focus moves with precompression [mm]", source, None, loudest(left), None, 0),
@@ -296,11 +296,11 @@ EXPERIMENTS = [solitary_wave, ends, strikers, dimers, intruder, weight, bands, s
 
 HEAD = """# Chains of spheres against published numbers
 
-This page recomputes published results for chains of spheres other than the paper's device. "Published" are numbers of theories, experiments and other
+This page recomputes published results for chains of spheres other than the paper's device. Published numbers are of theories, experiments and other
 programs, or of an independent solver where a source gives the effect and fewer digits. `scripts/validation.py --program
 build/release/hertzline --out docs/validation.md` makes this page and its pictures; a test runs it again, and fails where ours is
 farther from the published number than the tolerance. Spheres are of steel, 10 mm, struck with 0.01 m/s, without preload and loss,
-where nothing else is said. k and m are a contact's stiffness and a sphere's mass, D its diameter, v_m the largest velocity in the wave.
+unless stated otherwise. k and m are a contact's stiffness and a sphere's mass, D its diameter, v_m the largest velocity in the wave.
 
 """
 
@@ -310,10 +310,10 @@ TAIL = """
 `hertzline run striker --tap v_chain -o striker.h5`, then `hertzline plot striker.h5`: the velocity of each sphere over time. The striker
 has eight times the mass of a sphere and gives its momentum away in several blows; the wall sends the waves back.
 
-Hutchins and others also found wider bands in longer chains. That does not come out here: with the damping of the paper the band is widest
+Hutchins and others also found wider bands in longer chains. That is not reproduced here: with the paper's damping the band is widest
 for three to five spheres.
 
-The same programs are compared with solutions of an independent solver, good to ten digits, in
+hertzline is also compared with solutions of an independent solver, good to ten digits, in
 [tests/reference](../tests/reference/README.md).
 """
 

@@ -24,10 +24,10 @@ namespace {
 constexpr const char* set_examples =
     "The stream has to be started with --control. A change takes effect at the next burst's start, or sooner "
     "if "
-    "that is more than a second away; at once where bursts do not repeat. KEY=null takes an optional value "
-    "back, as numerics.accuracy=null before numerics.step_s is given. A list is given in brackets, "
+    "that is more than a second away; at once where bursts do not repeat. KEY=null removes an optional "
+    "value, as numerics.accuracy=null before numerics.step_s is given. A list is given in brackets, "
     "KEY=[A,B], or by its entries, "
-    "KEY[1]=A. Keys of [drive] but its material, "
+    "KEY[1]=A. Keys of [drive] (all but its material), "
     "numerics.step_s and "
     "numerics.accuracy keep the motion; all others restart from static equilibrium.\n"
     "Examples:\n"

@@ -159,7 +159,7 @@ void visit_scene(AnyScene& scene, const Visit& visit) {
         row(taper,
             {"taper",
              {-1, 1, "", Bounds::open},
-             "each sphere is smaller than the one before it by this part, beside its entry in the lists",
+             "each sphere is smaller than the one before by this fraction, on top of its entry in the lists",
              {.hashed = changed}});
         row(damping_kg_per_s, {"damping_kg_per_s",
                                {0, 1e9, "kg/s"},
@@ -195,13 +195,13 @@ void visit_scene(AnyScene& scene, const Visit& visit) {
                              {.hashed = changed}});
         row(tolerance, {"tolerance",
                         {0, 0.5},
-                        "each diameter is larger or smaller by a part drawn at random, this at most",
+                        "largest relative deviation of each diameter, drawn at random",
                         {.hashed = changed}});
         row(preload_tolerance,
             {"preload_tolerance", {0, 0.9}, "the same of the preload", {.hashed = changed}});
         row(seed, {"seed",
                    {0, 1'000'000'000},
-                   "of what the tolerances draw, which is the same on every machine",
+                   "of the random draws of the tolerances, the same on every machine",
                    {.hashed = changed}});
     }
     {
@@ -312,7 +312,7 @@ void visit_scene(AnyScene& scene, const Visit& visit) {
                        {1e-15, 0.1},
                        "wanted relative error of the last sphere and of the end, in their velocities",
                        {.unset = chosen}});
-        row(rest_tolerance, {"rest_tolerance", {0, 0.01}, "when a chain may sleep between bursts; 0: never"});
+        row(rest_tolerance, {"rest_tolerance", {0, 0.01}, "motion below which a chain sleeps; 0: never"});
         row(poles, {"poles",
                     {16, 64},
                     "of a modal plate's response in its fluid",

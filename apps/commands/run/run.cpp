@@ -299,7 +299,7 @@ Run run_command(CLI::App& app) {
         ->check(missing_name)
         ->type_name("FILE");
     app.add_option("--band-from", options->band_from_hz,
-                   "bands are looked for from here upward (default: half the drive's frequency)")
+                   "lower limit of the bands (default: half the drive's frequency)")
         ->type_name("HZ");
     add_target_option(app);
     add_format_option(app, options->format, "print the summary as one JSON object");

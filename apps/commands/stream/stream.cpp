@@ -299,7 +299,7 @@ Run stream_command(CLI::App& app) {
     add_scene_options(app, arguments->scene)->required();
     app.add_option(
            "--drive", arguments->drive,
-           "the horn moves as float32 samples say that come in at this endpoint (drive.kind = \"live\")")
+           "move the horn by the float32 samples that arrive at this endpoint (drive.kind = \"live\")")
         ->type_name("ENDPOINT");
     add_repeatable_option(app, "--record", arguments->recordings,
                           "save the samples as well; the ending picks the format: " +

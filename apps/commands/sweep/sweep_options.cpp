@@ -24,7 +24,7 @@ namespace hertzline::app {
 namespace {
 
 constexpr const char* sweep_examples =
-    "A range is FROM..TO:COUNT[:lin|log], a list A,B,C. Several --vary make a grid, of which the last one "
+    "A range is FROM..TO:COUNT[:lin|log]; a list is A,B,C. Several --vary make a grid, of which the last one "
     "varies fastest. A row of the file is a point: the keys that vary, status, the numbers of hertzline run, "
     "and a message. A point that cannot be simulated is a row with its reason. FILE.journal holds the rows "
     "until all points are finished.\n"
