@@ -195,7 +195,7 @@ MotionExtremes Simulation::extremes() noexcept {
     return extremes;
 }
 
-double Simulation::memory_bytes(const Scene& scene, TapSet taps) noexcept {
+double Simulation::memory_bytes(const Scene& scene, TapSet taps) {
     if (is_array(scene)) {
         return ArraySolver::memory_bytes(scene, taps & taps_of(scene));
     }

@@ -28,13 +28,13 @@ std::optional<double> first_arrival_s(const Run& run) {
 }
 
 /// The peak of the pressure that the middle element alone makes at the first point [Pa].
-std::optional<double> peak_of_one_alone(const Scene& scene) {
+std::optional<double> peak_of_one_alone(const Scene& scene, const std::atomic<bool>* stop) {
     const std::size_t middle = middle_element(scene);
     Scene one = element_scene(scene, middle);
     one.output.points_m.resize(1);
     one.output.points_m[0][0] -= scene.array.x_m[middle];
     one.output.points_m[0][1] -= scene.array.y_m[middle];
-    Simulation simulation(one, {.taps = Tap::p_points, .ledger = LedgerKeeping::off});
+    Simulation simulation(one, {.taps = Tap::p_points, .ledger = LedgerKeeping::off, .stop = stop});
     Samples block = simulation.make_samples(block_of_run(one, Tap::p_points));
     double peak = 0;
     for (auto left = static_cast<std::size_t>(rows_of_run(one)); left > 0; left -= block.count) {
@@ -61,7 +61,8 @@ void append(Warnings& warnings, const Warnings& more) {
 
 }  // namespace
 
-void measure(Run& run, SpectrumAnalyser* analyser, std::optional<double> band_from_hz) {
+void measure(Run& run, SpectrumAnalyser* analyser, std::optional<double> band_from_hz,
+             const std::atomic<bool>* stop) {
     const Scene& scene = run.resolved.scene;
     if (analyser != nullptr) {
         for (TapRecord& tap : run.taps) {
@@ -73,7 +74,8 @@ void measure(Run& run, SpectrumAnalyser* analyser, std::optional<double> band_fr
     run.ringing_ratio = ringing_ratio(scene, v_out);
     run.first_arrival_s = first_arrival_s(run);
     if (scene.array.x_m.size() > 1 && !run.p_first.empty()) {
-        run.alone_p_pa = peak_of_one_alone(scene);
+        run.alone_p_pa = peak_of_one_alone(scene, stop);
+        run.stopped = run.stopped || (stop != nullptr && *stop);
     }
     append(run.warnings, record_warnings(scene, v_out, run.rung_down_s));
     append(run.warnings, late_sound_warnings(scene));
@@ -109,12 +111,13 @@ static std::string without_numbers(std::string text) {
     return text;
 }
 
-/// The validity of each chain of an array. Where elements differ in numbers alone, one sentence says which they are.
+/// The validity of each chain of an array. Where elements differ in numbers alone, one sentence has the first of them.
 static Warnings warnings_of_elements(const Scene& scene, const Chain& first_chain) {
     struct Told {
         std::string text;
         std::size_t element = 0;  ///< the first one
-        std::size_t others = 0;   ///< with other numbers
+        std::size_t others = 0;   ///< that have it, too
+        bool is_same = true;      ///< in numbers
     };
     std::vector<Told> all;
     for (std::size_t element = 0; element < chains_of(scene); ++element) {
@@ -125,18 +128,24 @@ static Warnings warnings_of_elements(const Scene& scene, const Chain& first_chai
             });
             if (same == all.end()) {
                 all.push_back({std::move(text), element});
-            } else if (same->text != text) {
+            } else {
                 ++same->others;
+                same->is_same = same->is_same && same->text == text;
             }
         }
     }
     Warnings warnings;
     for (const Told& told : all) {
+        if (told.is_same && told.others + 1 == chains_of(scene)) {
+            warnings.push_back(told.text);
+            continue;
+        }
+        const std::string others = told.others == 1 ? "another" : fmt::format("{} others", told.others);
         warnings.push_back(
-            told.others == 0
-                ? told.text
-                : fmt::format("element {}: {} (and {} with other numbers)", told.element + 1, told.text,
-                              told.others == 1 ? "another" : fmt::format("{} others", told.others)));
+            fmt::format("element {}: {}{}", told.element + 1, told.text,
+                        told.others == 0
+                            ? ""
+                            : fmt::format(" (and {}{})", others, told.is_same ? "" : " with other numbers")));
     }
     return warnings;
 }

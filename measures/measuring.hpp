@@ -1,6 +1,7 @@
 #pragma once
 // The numbers and warnings of a run that has all its samples, and the warnings of a scene before it runs.
 
+#include <atomic>
 #include <optional>
 #include <string>
 
@@ -15,7 +16,8 @@ namespace hertzline::measures {
 /// Adds spectra and warnings to a run that has all its samples.
 /// @param analyser for records of that length and rate; null: no spectra, and no warnings of them
 /// @param band_from_hz as SpectrumAnalyser::analyse
-void measure(Run& run, SpectrumAnalyser* analyser, std::optional<double> band_from_hz);
+void measure(Run& run, SpectrumAnalyser* analyser, std::optional<double> band_from_hz,
+             const std::atomic<bool>* stop);
 
 /// Warnings of a scene before it runs: keys without effect, its validity, and an accuracy that is not kept.
 Warnings scene_warnings(const Resolution& resolved);

@@ -140,11 +140,18 @@ void keep(Run& run, const Samples& block, const EndModel& end) {
 class Deflection {
 public:
     explicit Deflection(const Simulation& simulation) {
+        for (std::size_t element = 0; element < simulation.elements(); ++element) {
+            now_m_.push_back(sag_at_rest(simulation.chain(element)));
+        }
+        follow(simulation);
+    }
+
+    /// Goes on with another simulation, which continues the motion.
+    void follow(const Simulation& simulation) {
         constexpr double fewest = 20;
         const Scene& scene = simulation.scene();
         double highest_hz = scene.drive.kind == DriveKind::none ? 0 : highest_frequency_hz(scene.drive);
         for (std::size_t element = 0; element < simulation.elements(); ++element) {
-            now_m_.push_back(sag_at_rest(simulation.chain(element)));
             highest_hz = std::max(highest_hz, plate_hz(simulation.chain(element)));
         }
         rate_hz_ = scene.output.sample_rate_hz;
@@ -222,6 +229,7 @@ private:
             if (status != Status::running) {
                 return status;
             }
+            deflection_.follow(*simulation);
         } else {
             simulation->begin_at(step.sample);
             deflection_ = Deflection(*simulation);
@@ -454,11 +462,11 @@ void check_step(const SceneStep& step, std::int64_t sample, Scene before, Faults
         faults.add("steps", fmt::format("found one from sample {} on, allowed: from 1 on and in their order",
                                         step.sample));
     }
-    if (channel_counts(step.scene) != channel_counts(before) ||
+    if (taps_of(step.scene) != taps_of(before) || channel_counts(step.scene) != channel_counts(before) ||
         step.scene.output.sample_rate_hz != before.output.sample_rate_hz) {
         faults.add("steps",
-                   "found a scene with other numbers of spheres, points or elements, or another sample rate, "
-                   "allowed: equal ones");
+                   "found a scene with other taps, other numbers of spheres, points or elements, or another "
+                   "sample rate, allowed: equal ones");
     } else if (step.continued &&
                !(Simulation::can_hand_over(before) && Simulation::can_hand_over(step.scene) &&
                  motion_goes_on(before, step.scene))) {
@@ -507,13 +515,18 @@ Run run(const Resolution& resolved, const RunOptions& options) {
     Run run = measures::simulate(resolved, options);
     if (!run.stopped) {
         SpectrumAnalyser analyser(run.rows(), resolved.scene.output.sample_rate_hz);
-        measures::measure(run, &analyser, options.band_from_hz);
+        measures::measure(run, &analyser, options.band_from_hz, options.stop);
     }
     return run;
 }
 
 Run run(const Scene& scene, const RunOptions& options) {
-    return run(resolve(scene, scene.output.duration_s, options.stop, options.threads), options);
+    const auto start = std::chrono::steady_clock::now();
+    const Resolution resolved = resolve(scene, scene.output.duration_s, options.stop, options.threads);
+    const double setup_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    Run run = hertzline::run(resolved, options);
+    run.setup_s += setup_s;
+    return run;
 }
 
 }  // namespace hertzline

@@ -23,7 +23,7 @@ enum class RecordingEnd;
 struct RecordingPatience {
     /// The time for a recording that takes nothing while its queue is full; then its rows are left out.
     std::chrono::milliseconds wait{0};
-    /// Once true, all recordings have half a second to end.
+    /// Once true, all recordings have 0.6 s to end.
     const std::atomic<bool>* stop = nullptr;
 
     /// Leaves rows out at once: the source never waits.

@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "core/model/drive.hpp"
 #include "core/scene/faults.hpp"
 #include "core/scene/text.hpp"
 #include "measures/measuring.hpp"
@@ -52,6 +53,12 @@ std::optional<stream::CurveClient> keys_of(const ListenOptions& options) {
 
 nlohmann::ordered_json publish(const Resolution& resolved, const PublishOptions& options) {
     const ResolvedScene scene = resolved;
+    for (const auto& fault :
+         {awaited_samples_fault(scene.scene().drive), stream::SimulationSource::fault_of(scene.scene())}) {
+        if (fault) {
+            throw std::invalid_argument(fault->message());
+        }
+    }
     const double rate = scene.scene().output.sample_rate_hz;
     stream::StreamOptions streamed{
         .about = {},
@@ -104,6 +111,8 @@ nlohmann::ordered_json publish(const Resolution& resolved, const PublishOptions&
                               warn(news.warning);
                           }
                           summary = stream::summary_json(meters, pipeline, publisher);
+                          stream::add_simulation(summary, meters, scene.scene(), watch.estimate(),
+                                                 Json::array());
                           return json_text(summary);
                       }});
     return summary;

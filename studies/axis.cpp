@@ -263,10 +263,14 @@ SceneValue Axis::value(std::int64_t number) const {
         key, spacing == Spacing::linear ? from + (to - from) * share : from * std::pow(to / from, share));
 }
 
+std::size_t Axis::element_at(double position) const noexcept {
+    const auto size = static_cast<double>(list.size());
+    return static_cast<std::size_t>(std::min(position * size, size - 1));
+}
+
 SceneValue Axis::at(double position) const {
     if (!list.empty()) {
-        const auto size = static_cast<double>(list.size());
-        return list[static_cast<std::size_t>(std::min(position * size, size - 1))];
+        return list[element_at(position)];
     }
     // the ends have the same share as other integers, because numbers within 0.5 are rounded to them
     const double margin = key.kind == ValueKind::integer ? 0.5 : 0;

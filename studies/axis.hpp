@@ -40,6 +40,8 @@ struct Axis {
 
     /// Returns the value at a position in the range, from 0 to 1 without 1. Elements of a list have equal shares.
     SceneValue at(double position) const;
+    /// Returns the index of the list's element there.
+    std::size_t element_at(double position) const noexcept;
 
     /// Returns the position of a value in the range.
     double position(const SceneValue& value) const;

@@ -59,7 +59,7 @@ std::string scene_refusal(const Scene& scene) {
     return faults.empty() ? measures::longest_run_fault(scene).value_or("") : faults;
 }
 
-double point_memory_bytes(const Scene& scene, const PointOptions& options) noexcept {
+double point_memory_bytes(const Scene& scene, const PointOptions& options) {
     const TapSet measured = measures::measured_taps(scene, options.measured);
     const TapSet taps = measures::taps_of_run(scene, measured | waveform_taps(scene, options));
     const double block =
@@ -79,7 +79,7 @@ PointResult PointRunner::row(std::int64_t point) const {
     return result;
 }
 
-std::optional<PointResult> PointRunner::run(std::int64_t point, const Scene& scene) noexcept {
+std::optional<PointResult> PointRunner::run(std::int64_t point, const Scene& scene) {
     PointResult result = row(point);
     try {
         if (!try_run(scene, result)) {
@@ -87,7 +87,8 @@ std::optional<PointResult> PointRunner::run(std::int64_t point, const Scene& sce
         }
     } catch (const std::exception& error) {
         const bool memory = dynamic_cast<const std::bad_alloc*>(&error) != nullptr;
-        result = row(point);
+        std::ranges::fill(result.numbers, no_number);
+        std::ranges::fill(result.waveform, std::numeric_limits<float>::quiet_NaN());
         result.status = PointStatus::failed;
         result.message = memory ? "not enough memory" : error.what();
     }
@@ -195,7 +196,7 @@ void PointRunner::measure(Candidate& candidate, PointResult& result) {
     Run& run = candidate.run;
     const Scene& scene = run.resolved.scene;
     result.status = status_of(run.resolved);
-    measures::measure(run, analyser(run.rows(), scene.output.sample_rate_hz), options_.band_from_hz);
+    measures::measure(run, analyser(run.rows(), scene.output.sample_rate_hz), options_.band_from_hz, &stop_);
     result.numbers = measures::numbers_of(run, options_.columns);
     Warnings warnings = measures::scene_warnings(run.resolved, candidate.simulation.chain());
     if (options_.waveform && waveform_taps(scene, options_).empty()) {
@@ -237,13 +238,10 @@ bool PointRunner::try_run(const Scene& scene, PointResult& result) {
     if (!candidate && !stop_) {
         candidate = run_with_pilots(scene, result);
     }
-    if (stop_) {
-        return false;
-    }
-    if (candidate) {
+    if (candidate && !stop_) {
         measure(*candidate, result);
     }
-    return true;
+    return !stop_;
 }
 
 }  // namespace hertzline::studies

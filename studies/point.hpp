@@ -83,7 +83,7 @@ struct PointResult {
 std::string scene_refusal(const Scene& scene);
 
 /// Returns the memory that a point takes while it runs, roughly from above, without its waveform [bytes].
-double point_memory_bytes(const Scene& scene, const PointOptions& options) noexcept;
+double point_memory_bytes(const Scene& scene, const PointOptions& options);
 
 /// Runs points one after another, in one thread. A row depends only on the point's number, its scene and the options.
 class PointRunner {
@@ -92,7 +92,7 @@ public:
     PointRunner(const PointOptions& options, const std::atomic<bool>& stop);
 
     /// Runs a point. Faults of its scene are in the row. @returns the row, or nothing when it was stopped
-    std::optional<PointResult> run(std::int64_t point, const Scene& scene) noexcept;
+    std::optional<PointResult> run(std::int64_t point, const Scene& scene);
 
 private:
     PointResult row(std::int64_t point) const;

@@ -7,16 +7,6 @@
 
 namespace hertzline::studies {
 
-namespace {
-
-/// Returns the index of the list's element at the position.
-std::size_t element_of(const Axis& axis, double position) noexcept {
-    const auto size = static_cast<double>(axis.list.size());
-    return static_cast<std::size_t>(std::min(position * size, size - 1));
-}
-
-}  // namespace
-
 SearchSpace::SearchSpace(std::vector<Axis> axes) : axes_(std::move(axes)) {
     for (std::size_t key = 0; key < axes_.size(); ++key) {
         if (axes_[key].list.empty()) {
@@ -57,7 +47,7 @@ double SearchSpace::distance(const Position& a, const Position& b) const noexcep
         const Axis& axis = axes_[key];
         if (axis.list.empty()) {
             square += (a[key] - b[key]) * (a[key] - b[key]);
-        } else if (element_of(axis, a[key]) != element_of(axis, b[key])) {
+        } else if (axis.element_at(a[key]) != axis.element_at(b[key])) {
             return std::numeric_limits<double>::infinity();
         }
     }

@@ -22,9 +22,11 @@ namespace {
 using Axes = tl::expected<std::vector<studies::Axis>, std::vector<Fault>>;
 using Plan = tl::expected<studies::SweepPlan, std::vector<Fault>>;
 
-bool is_range(const StudyValues& values) {
+/// Whether the values are a range. A key whose values are texts, as names of files, has none.
+bool is_range(const Scene& scene, const std::string& key, const StudyValues& values) {
     const auto* text = std::get_if<std::string>(&values);
-    return text != nullptr && text->find("..") != std::string::npos;
+    const auto known = scene_key_named(scene, key);
+    return text != nullptr && text->find("..") != std::string::npos && !(known && known->traits.is_text);
 }
 
 /// Returns the values of a list; those of a text stand between its commas.
@@ -83,7 +85,7 @@ Plan plan_of_list(const Scene& scene, const StudyKeys& keys) {
     std::vector<studies::PointColumn> columns;
     std::vector<Fault> faults;
     for (const auto& [key, values] : keys) {
-        if (is_range(values)) {
+        if (is_range(scene, key, values)) {
             faults.push_back({key, "a range", "a list with a value for each point"});
         }
         columns.push_back({key, list_of(values)});

@@ -17,7 +17,7 @@ namespace hertzline::app {
 
 namespace {
 
-std::string value_text(const Json& value) {
+std::string value_text(std::string_view name, const Json& value) {
     if (value.is_null()) {
         return "-";
     }
@@ -31,15 +31,11 @@ std::string value_text(const Json& value) {
     }
     if (value.is_structured()) {
         std::string text;
-        double largest = 0;
+        const bool is_level = name.ends_with("_db");
         for (const Json& item : value) {
-            largest = std::max(largest, item.is_number() ? std::abs(item.get<double>()) : 0.0);
-        }
-        const bool level = largest >= 1 && largest < 1000;  // in decibels
-        for (const Json& item : value) {
-            const bool number = item.is_number_float();
-            text += (text.empty() ? "" : " ") +
-                    (number && level ? fmt::format("{:.1f}", item.get<double>()) : value_text(item));
+            text += (text.empty() ? "" : " ") + (is_level && item.is_number_float()
+                                                     ? fmt::format("{:.1f}", item.get<double>())
+                                                     : value_text(name, item));
         }
         return text.empty() ? "-" : text;
     }
@@ -58,7 +54,7 @@ std::size_t width_of(const Json& summary) {
 std::string lines_of(const Json& summary, std::size_t width, std::string_view indent) {
     std::string text;
     for (const auto& [name, value] : summary.items()) {
-        text += fmt::format("{}{:<{}}  {}\n", indent, name, width, value_text(value));
+        text += fmt::format("{}{:<{}}  {}\n", indent, name, width, value_text(name, value));
     }
     return text;
 }

@@ -20,16 +20,17 @@ bool couples(const Scene& scene) noexcept {
 
 /// The delay [s] by which the element is as the member; nothing where it is another chain. A record is cut off where it begins, and
 /// chains that move from the start do not wait for their drives: those have to begin together.
-std::optional<double> delay_behind(const ArrayMember& member, const Scene& element) {
+std::optional<double> delay_behind(const ArrayMember& member, Scene& element) {
     const double delay_s = element.drive.start_s - member.scene.drive.start_s;
     const bool waits = element.drive.kind == DriveKind::tone && element.chain.impact_velocity_m_per_s == 0;
     const double longest_s = DelayedChains::longest / element.output.sample_rate_hz;
     if (delay_s != 0 && (!waits || delay_s > longest_s)) {
         return std::nullopt;
     }
-    Scene moved = element;
-    moved.drive.start_s = member.scene.drive.start_s;
-    return moved == member.scene ? std::optional(delay_s) : std::nullopt;
+    const double start_s = std::exchange(element.drive.start_s, member.scene.drive.start_s);
+    const bool alike = element == member.scene;
+    element.drive.start_s = start_s;
+    return alike ? std::optional(delay_s) : std::nullopt;
 }
 
 }  // namespace
@@ -52,7 +53,7 @@ std::vector<ArrayMember> array_members(const Scene& scene) {
             }
         }
         if (!delay_s) {
-            members.push_back({scenes[i], {{i, 0}}});
+            members.push_back({std::move(scenes[i]), {{i, 0}}});
         }
     }
     std::ranges::sort(members, {}, [](const ArrayMember& member) { return member.elements.front().number; });
@@ -387,11 +388,17 @@ const DelayedChains::Account* ArraySolver::account_of(std::size_t element) const
     return delayed ? members_[member]->delayed->account(*delayed, next_sample_) : nullptr;
 }
 
-double ArraySolver::memory_bytes(const Scene& scene, TapSet taps) noexcept {
+double ArraySolver::memory_bytes(const Scene& scene, TapSet taps) {
     const auto elements = static_cast<double>(chains_of(scene));
     constexpr double of_plate = 2e6;  // its tables
-    const double members = couples(scene) ? elements : static_cast<double>(array_members(scene).size());
+    Scene small = scene;
+    small.drive.samples.clear();
+    small.output.points_m.clear();
+    const double members = couples(scene) ? elements : static_cast<double>(array_members(small).size());
     double bytes = members * of_plate;
+    // each chain has a copy of the scene
+    bytes += elements * static_cast<double>(sizeof(double) * scene.drive.samples.size() +
+                                            sizeof(scene.output.points_m[0]) * scene.output.points_m.size());
     const auto& fluid = std::get<Fluid>(*find_material(scene, scene.medium.material));
     // the sound of the farthest disc arrives last
     double farthest = 0;

@@ -55,7 +55,7 @@ public:
     std::string failure() const override;
 
     /// Bytes, roughly from above. @param taps that the scene has
-    static double memory_bytes(const Scene& scene, TapSet taps) noexcept;
+    static double memory_bytes(const Scene& scene, TapSet taps);
 
     /// The water between the discs; null where they do not feel each other.
     const Water* water() const noexcept { return water_.get(); }

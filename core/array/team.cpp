@@ -1,6 +1,6 @@
 #include "core/array/team.hpp"
 
-#include <system_error>
+#include <exception>
 
 namespace hertzline {
 
@@ -27,7 +27,7 @@ Team::Team(std::size_t threads) {
         for (std::size_t thread = 1; thread < threads; ++thread) {
             threads_.emplace_back([this, thread] { serve(thread); });
         }
-    } catch (const std::system_error&) {
+    } catch (const std::exception&) {
         return;  // the machine gives no more of them: those that there are do all the work
     }
 }

@@ -99,7 +99,7 @@ private:
             added;  ///< of the window: displacements and velocities that the others give the modes
         double held = 0;
         double lost = 0;
-        double loss_rate = 0;  ///< at line()
+        double loss_rate = 0;  ///< at the last line
     };
 
     Eigen::MatrixXcd mobilities(double frequency_hz, bool alone) const;

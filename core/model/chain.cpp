@@ -85,7 +85,8 @@ std::vector<Fault> chain_faults(const Scene& scene) {
     std::vector<Fault> faults;
     double smallest = 1;
     double largest = 0;
-    double force = drawn_preload_n(scene);
+    const double preload_n = drawn_preload_n(scene);
+    double force = preload_n;
     double least_force = force;
     const double gravity = scene.chain.gravity_m_per_s2;
     const Eigen::Index spheres = gravity < 0 ? row.size() : row.distinct();
@@ -105,9 +106,9 @@ std::vector<Fault> chain_faults(const Scene& scene) {
              "spheres of " + number_text(allowed.min) + " to " + number_text(allowed.max) + " m"});
     } else if (!(least_force >= 0)) {
         faults.push_back({"chain.gravity_m_per_s2",
-                          number_text(gravity) + ", a weight of " +
-                              number_text(scene.chain.preload_n - least_force) + " N away from the end",
-                          "a weight of at most the preload of " + number_text(scene.chain.preload_n) +
+                          number_text(gravity) + ", a weight of " + number_text(preload_n - least_force) +
+                              " N away from the end",
+                          "a weight of at most the preload of " + number_text(preload_n) +
                               " N: more pulls contacts apart at rest"});
     }
     return faults;

@@ -78,7 +78,6 @@ private:
     void add_mirrored();
     void take_block(std::int64_t first);
     void find_coefficients();
-    double displacement(double knots_in_window) const;
     void add_window(std::vector<Polynomial>& pieces);
     void add(std::int64_t from, std::int64_t to, std::vector<Polynomial>& pieces);
 

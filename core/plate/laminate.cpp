@@ -7,11 +7,6 @@ namespace hertzline {
 
 namespace {
 
-/// E/(1 - nu^2), a plate's stiffness against strain.
-double plane_modulus(const Solid& solid) noexcept {
-    return solid.youngs_modulus_pa / (1 - solid.poissons_ratio * solid.poissons_ratio);
-}
-
 /// Calls visit(layer, from, to) with the layers' faces, measured from `origin`.
 template <class Visit>
 void each_layer(std::span<const Layer> layers, double origin, const Visit& visit) {
@@ -33,8 +28,8 @@ double neutral_plane(std::span<const Layer> layers) noexcept {
     double stretch = 0;   // A
     double coupling = 0;  // B
     each_layer(layers, 0, [&](const Layer& layer, double from, double to) {
-        stretch += plane_modulus(layer.solid) * layer.thickness_m;
-        coupling += plane_modulus(layer.solid) * layer.thickness_m * (from + to) / 2;
+        stretch += plane_strain_modulus(layer.solid) * layer.thickness_m;
+        coupling += plane_strain_modulus(layer.solid) * layer.thickness_m * (from + to) / 2;
     });
     return coupling / stretch;
 }
@@ -48,7 +43,7 @@ double shear_compliance(std::span<const Layer> layers, double origin) noexcept {
     double flow = 0;
     double compliance = 0;
     each_layer(layers, origin, [&](const Layer& layer, double from, double to) {
-        const double q = plane_modulus(layer.solid);
+        const double q = plane_strain_modulus(layer.solid);
         for (std::size_t i = 0; i < nodes.size(); ++i) {
             const double s = (from + to) / 2 + nodes[i] * (to - from) / 2;
             const double g = flow + q * (s - from) * (s + from) / 2;
@@ -72,7 +67,7 @@ Laminate laminate(std::span<const Layer> layers) noexcept {
     double lost = 0;
     double alike = 0;
     each_layer(layers, origin, [&](const Layer& layer, double from, double to) {
-        const double bending = plane_modulus(layer.solid) * second_moment(from, to);
+        const double bending = plane_strain_modulus(layer.solid) * second_moment(from, to);
         section.thickness_m += layer.thickness_m;
         section.bending_n_m += bending;
         section.mass_kg_per_m2 += layer.solid.density_kg_per_m3 * layer.thickness_m;

@@ -146,8 +146,9 @@ Scene element_scene(const Scene& scene, std::size_t element) {
         return one;
     }
     if (scene.chain.tolerance > 0 || scene.chain.preload_tolerance > 0) {
-        constexpr std::int64_t apart = 1'000'003;  // from the seed of the next scene
-        one.chain.seed = scene.chain.seed + static_cast<std::int64_t>(element) * apart;
+        constexpr std::int64_t apart = 1'000'003;      // from the seed of the next scene
+        constexpr std::int64_t seeds = 1'000'000'001;  // that a scene may have
+        one.chain.seed = (scene.chain.seed + static_cast<std::int64_t>(element) * apart) % seeds;
     }
     if (scene.drive.kind != DriveKind::none) {
         one.drive.start_s += element_delays_s(scene)[element];

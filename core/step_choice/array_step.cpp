@@ -130,7 +130,7 @@ Resolution estimated(const Scene& asked, Choice choice, double over_s, const std
                 tried.scene.numerics.poles = std::min<std::int64_t>(64, *tried.scene.numerics.poles + more);
             }
         }
-        const ErrorEstimate found = estimate_of_run(with_few_points(tried.scene), over_s, stop, threads);
+        const auto [found, seen] = estimate_of_run(with_few_points(tried.scene), over_s, stop, threads);
         result.pilots += 2;
         if (tries > 0 && !(found.error < result.estimate->error)) {
             break;
@@ -138,6 +138,7 @@ Resolution estimated(const Scene& asked, Choice choice, double over_s, const std
         tried.pilots = result.pilots;
         result = std::move(tried);
         result.estimate = found;
+        result.seen = seen;
         if (found.error <= wanted_share * result.advice.accuracy || result.step_set_by_scene ||
             (stop != nullptr && *stop)) {
             break;

@@ -8,6 +8,7 @@
 #include "core/model/end.hpp"
 #include "core/scene/elements.hpp"
 #include "core/step_choice/pilot.hpp"
+#include "core/step_choice/seen_motion.hpp"
 #include "core/step_choice/step_advice.hpp"
 
 namespace hertzline {
@@ -105,8 +106,8 @@ ErrorEstimate FinerRun::estimate() const noexcept {
             .amplifies = false};
 }
 
-ErrorEstimate estimate_of_run(const ResolvedScene& scene, double run_s, const std::atomic<bool>* stop,
-                              std::size_t threads) {
+RunEstimate estimate_of_run(const ResolvedScene& scene, double run_s, const std::atomic<bool>* stop,
+                            std::size_t threads) {
     const double wanted = std::ceil(run_s * scene.scene().output.sample_rate_hz) + 1;
     const auto samples = static_cast<std::int64_t>(std::min(wanted, affordable_samples));
     const double bodies = static_cast<double>(scene.scene().chain.spheres) + 1;
@@ -117,17 +118,21 @@ ErrorEstimate estimate_of_run(const ResolvedScene& scene, double run_s, const st
     if (takes_two_fits(scene.scene())) {
         another.emplace(scene, counted_block, stop, max_steps, threads, 1);
     }
+    EventRate event_rate(scene.scene().drive);
     for (std::int64_t left = samples; left > 0; left = samples - run.simulation.next_sample()) {
         const auto count = static_cast<std::size_t>(std::min<std::int64_t>(counted_block, left));
         if (!run.advance(count) || !follower.follow(run.block) || (another && !another->follow(run.block))) {
             break;
         }
+        event_rate.note(
+            static_cast<double>(run.simulation.next_sample()) / scene.scene().output.sample_rate_hz,
+            run.simulation.contact_events());
     }
     ErrorEstimate found = follower.estimate();
     if (another) {
         found.error = std::max(found.error, another->estimate().error);
     }
-    return found;
+    return {found, seen_motion(run.simulation.extremes(), event_rate, found.error)};
 }
 
 bool FinerRun::meets(double accuracy) const noexcept {

@@ -54,9 +54,16 @@ private:
     std::size_t compared_ = 0;  // samples
 };
 
-/// Simulates a run and a FinerRun beside it, two of an array without losses, as far as is affordable: some seconds of a processor's time.
+/// An estimate, and the range of motion in which it holds.
+struct RunEstimate {
+    ErrorEstimate estimate;
+    SeenMotion seen;
+};
+
+/// Simulates a run and a FinerRun beside it, two of an array without losses, as far as is affordable: some seconds of a processor's time
+/// for each chain of an array.
 /// @param stop ends it within a few steps. @throws std::bad_alloc
-ErrorEstimate estimate_of_run(const ResolvedScene& scene, double run_s, const std::atomic<bool>* stop,
-                              std::size_t threads = 1);
+RunEstimate estimate_of_run(const ResolvedScene& scene, double run_s, const std::atomic<bool>* stop,
+                            std::size_t threads = 1);
 
 }  // namespace hertzline

@@ -99,7 +99,7 @@ void estimate(Resolution& result, ReferencePilot& reference, std::optional<Trial
     result.estimate = found;
     result.seen = trial->pilot.seen(found.error);
     if (worth_estimating_longer(result)) {
-        const ErrorEstimate longer = estimate_of_run(result.scene, *result.run_s, stop);
+        const ErrorEstimate longer = estimate_of_run(result.scene, *result.run_s, stop).estimate;
         result.estimate->error = std::max(found.error, longer.error);
         result.estimate->over_s = std::max(found.over_s, std::min(*result.run_s, longer.over_s));
     }

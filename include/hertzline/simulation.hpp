@@ -148,7 +148,7 @@ public:
     /// Its time since the simulation's first sample [s]. Steps do not end where samples lie.
     double time_s() const noexcept;
     Ledger ledger() noexcept;
-    /// Energy that no entry of the ledger accounts for, |kinetic + stored - start - work + lost + passed| [J].
+    /// Energy that no entry of the ledger accounts for, |kinetic + stored - start - work + lost + holder_lost + passed| [J].
     double energy_missing() noexcept;
     /// The same relative to the largest of the horn's work back and forth, the losses and the kinetic energy.
     double energy_residual() noexcept;
@@ -160,8 +160,8 @@ public:
     /// Why the simulation failed, for a human; empty if it did not.
     std::string failure() const;
 
-    /// Bytes that a simulation of this scene needs, roughly from above.
-    static double memory_bytes(const Scene& scene, TapSet taps) noexcept;
+    /// Bytes that a simulation of this scene needs, roughly from above. @throws std::bad_alloc
+    static double memory_bytes(const Scene& scene, TapSet taps);
 
 private:
     ResolvedScene scene_;

@@ -1,6 +1,7 @@
 #include "recordings/formats/wav.hpp"
 
 #include <algorithm>
+#include <cerrno>
 #include <cmath>
 #include <cstddef>
 #include <limits>
@@ -9,6 +10,7 @@
 #include <string_view>
 #include <utility>
 
+#include <fcntl.h>
 #include <fmt/format.h>
 #include <sndfile.h>
 #include <sys/stat.h>
@@ -65,6 +67,7 @@ constexpr std::size_t max_columns = 1024;  // libsndfile's
 constexpr std::size_t word = 4;
 constexpr sf_count_t alignment = 8;  // of the samples in the file, for programs that map it
 constexpr sf_count_t sample_bytes = sizeof(float);
+constexpr sf_count_t room_bytes = 4096;          // for the parts after the samples
 constexpr std::size_t max_comment_bytes = 2040;  // libsndfile 1.2 reads back no longer one
 
 /// The file that libsndfile writes to, through these functions, because its own sf_close() writes without reporting
@@ -269,7 +272,8 @@ private:
         output_.file.commit();
     }
 
-    /// Refuses: a WAV has no room for facts that are known only while it is written.
+    /// Writes the changes beside the WAV, which has no room for facts that are known only while it is written. Without changes, removes
+    /// those of another recording.
     void save_changes() {
         const std::filesystem::path beside = wav_changes_path(path());
         if (!head().provenance.contains("changes")) {
@@ -292,16 +296,23 @@ private:
         if (sf_set_string(sound_.get(), SF_STR_COMMENT, comment(rows).c_str()) != SF_ERR_NO_ERROR) {
             cannot_write(path(), sf_strerror(sound_.get()));
         }
+        // Reserved, because a sound that is closed cannot make room any more. Not every file system can.
+        if (::fallocate(output_.file.descriptor(), FALLOC_FL_KEEP_SIZE, Output::length(&output_),
+                        room_bytes) != 0 &&
+            errno == ENOSPC) {
+            output_.failure = ENOSPC;
+            require_written();
+        }
         sound_.reset();
         require_written();
+        is_whole_ = true;
     }
 
     /// The last rows make room for the comment when the disk is full.
     KeptRows rescue() override {
-        if (output_.file.is_closed()) {
+        if (output_.file.is_closed() || is_whole_) {
             return kept_as_it_is(this->rows());
         }
-        constexpr sf_count_t room_bytes = 4096;
         const auto row_bytes = std::ssize(head().columns) * sample_bytes;
         const sf_count_t data = Output::length(&output_) - data_begin_;
         const std::int64_t rows =
@@ -350,6 +361,7 @@ private:
     std::vector<float> samples_;
     double peak_ = 0;  // of the numbers in the file
     std::size_t peak_column_ = 0;
+    bool is_whole_ = false;
 };
 
 constexpr std::uint64_t largest_changes = 64 << 20;

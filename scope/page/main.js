@@ -277,8 +277,12 @@ function offerChannels() {
 const LONGEST_REQUEST = 60000;  // characters: the scope takes no more
 const waiting = new Map();
 let asked = null;  // keys of the change that is on its way; null: none is
+let undoWaits = false;
 function change() {
-  if (asked === null && waiting.size > 0) {
+  if (asked !== null || !link.isOpen()) {
+    return;
+  }
+  if (waiting.size > 0) {
     asked = [...waiting.keys()];
     const request = {set: Object.fromEntries(waiting)};
     waiting.clear();
@@ -287,11 +291,15 @@ function change() {
     } else {
       link.send(request);
     }
+  } else if (undoWaits) {
+    undoWaits = false;
+    asked = [];
+    link.send({undo: true});
   }
 }
 const knobs = new Knobs($('knobs'), (key, value) => { waiting.set(key, value); change(); },
   (key) => waiting.has(key) || asked?.includes(key));
-$('undo').onclick = () => { asked = []; link.send({undo: true}); };
+$('undo').onclick = () => { undoWaits = true; change(); };
 
 /** Shows whether the motion went on when the scene changed, below the keys that this page has changed, too. */
 function showMotion() {
@@ -359,9 +367,8 @@ $('record').onclick = () => link.send(state.recording?.on
 function showRecording(recording) {
   $('record').setAttribute('aria-pressed', String(recording.on));
   $('record').textContent = recording.on ? 'Stop recording' : 'Record';
-  $('record').disabled = !recording.allowed;
   const missing = recording.missing_samples > 0 ? `, ${recording.missing_samples} missing, marked as a gap` : '';
-  const text = recording.file !== '' ? `${recording.file}: ${recording.text}.` : recording.allowed ? `Saved by the scope in ${recording.folder === '.' ? 'the folder where it was started' : recording.folder}.` : '';
+  const text = recording.file !== '' ? `${recording.file}: ${recording.text}.` : `Saved by the scope in ${recording.folder === '.' ? 'the folder where it was started' : recording.folder}.`;
   if ($('record-text').textContent !== text) {  // which is read aloud
     $('record-text').textContent = text;
   }

@@ -46,7 +46,7 @@ struct ViewRequest {
     bool operator==(const ViewRequest&) const = default;
 };
 
-/// Most columns, and longest window, of a picture.
+/// Most columns of a picture.
 inline constexpr std::size_t max_columns = 4096;
 /// Most channels beside the first one: each takes 8 MiB.
 inline constexpr std::size_t most_beside = 16;

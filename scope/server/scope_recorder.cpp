@@ -36,7 +36,7 @@ std::int64_t epoch_of(const Json& json) {
 
 }  // namespace
 
-ScopeRecorder::ScopeRecorder(std::optional<std::filesystem::path> folder, const std::atomic<bool>& stop,
+ScopeRecorder::ScopeRecorder(std::filesystem::path folder, const std::atomic<bool>& stop,
                              std::function<void(const std::string&)> report)
     : folder_(std::move(folder)), stop_(stop), report_(std::move(report)) {}
 
@@ -48,15 +48,12 @@ std::optional<std::string> ScopeRecorder::begin(Tap tap, const std::string& endi
     if (is_on()) {
         return "a recording is being made already";
     }
-    if (!folder_) {
-        return "this scope records nothing: it was started without --record-to FOLDER";
-    }
     if (std::ranges::find(endings, ending) == endings.end()) {
         return fmt::format("a recording's ending is one of {}", fmt::join(endings, ", "));
     }
     const std::string name = new_name(row_of(tap).name);
     const auto path = [&](int number) {
-        return *folder_ / fmt::format("{}{}.{}", name, number == 1 ? "" : fmt::format("-{}", number), ending);
+        return folder_ / fmt::format("{}{}.{}", name, number == 1 ? "" : fmt::format("-{}", number), ending);
     };
     int number = 1;
     std::error_code error;
@@ -64,7 +61,7 @@ std::optional<std::string> ScopeRecorder::begin(Tap tap, const std::string& endi
         ++number;
     }
     if (error) {
-        return fmt::format("{}: {}", printable_whole(folder_->string()), error.message());
+        return fmt::format("{}: {}", printable_whole(folder_.string()), error.message());
     }
     try {
         recordings::require_writable(path(number));
@@ -174,13 +171,8 @@ void ScopeRecorder::take(stream::RunReceiver& run, const stream::ReceivedFrame& 
 }
 
 Json ScopeRecorder::state() const {
-    return {{"allowed", folder_.has_value()},
-            {"on", is_on()},
-            {"folder", folder_ ? folder_->string() : ""},
-            {"file", file_},
-            {"text", text_},
-            {"samples", samples_},
-            {"missing_samples", missing_}};
+    return {{"on", is_on()}, {"folder", folder_.string()}, {"file", file_},
+            {"text", text_}, {"samples", samples_},        {"missing_samples", missing_}};
 }
 
 }  // namespace hertzline::scope

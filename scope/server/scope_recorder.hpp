@@ -23,10 +23,10 @@ public:
     /// A recording ends by itself when it has so many samples, 100 s at 10 MHz, and when it cannot be written.
     static constexpr std::int64_t most_samples = 1'000'000'000;
 
-    /// @param folder where recordings go; unset: none may be made
+    /// @param folder where recordings go
     /// @param stop set: recordings wait no longer for their files
     /// @param report takes a message when a recording fails or is too slow, in any thread
-    ScopeRecorder(std::optional<std::filesystem::path> folder, const std::atomic<bool>& stop,
+    ScopeRecorder(std::filesystem::path folder, const std::atomic<bool>& stop,
                   std::function<void(const std::string&)> report);
     ~ScopeRecorder();
     ScopeRecorder(const ScopeRecorder&) = delete;
@@ -56,7 +56,7 @@ public:
 private:
     void take_result();
 
-    std::optional<std::filesystem::path> folder_;
+    std::filesystem::path folder_;
     const std::atomic<bool>& stop_;
     std::function<void(const std::string&)> report_;
     std::vector<recordings::RecordingSet::Status> finished_;

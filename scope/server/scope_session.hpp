@@ -20,10 +20,10 @@ namespace hertzline::scope {
 
 /// The endpoints and files of a scope.
 struct ScopeTargets {
-    std::string stream;                               ///< endpoint
-    std::optional<std::string> control;               ///< endpoint; unset: the knobs only show
-    std::optional<stream::CurveClient> curve;         ///< keys for both
-    std::optional<std::filesystem::path> recordings;  ///< folder; unset: nothing is recorded
+    std::string stream;                        ///< endpoint
+    std::optional<std::string> control;        ///< endpoint; unset: the knobs only show
+    std::optional<stream::CurveClient> curve;  ///< keys for both
+    std::filesystem::path recordings;          ///< folder
 };
 
 /// For one thread: the one that listens.

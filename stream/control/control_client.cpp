@@ -120,7 +120,7 @@ Json ask_control(const ControlConnection& connection, const Json& request, const
         if (receive_parts(socket, received) == 0) {
             continue;
         }
-        Json reply = json_from_outside(received[0].to_string_view());
+        Json reply = json_from_outside(received[0].to_string_view(), connection.endpoint);
         if (!reply.is_object()) {
             throw std::runtime_error(connection.endpoint + ": the reply is no JSON object");
         }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <limits>
 #include <string_view>
 #include <utility>
 
@@ -77,7 +78,7 @@ std::vector<Fault> frame_faults(const Scene& from, const Scene& to) {
     return faults;
 }
 
-double expected_real_time_factor(const Resolution& resolved) noexcept {
+double expected_real_time_factor(const Resolution& resolved) {
     constexpr double body_steps_per_s = 5e7;  // of a series on one processor, within a factor of some
     const Drive& drive = resolved.scene.drive;
     const double bodies = static_cast<double>(resolved.scene.chain.spheres) + 1;
@@ -145,16 +146,17 @@ tl::expected<SceneChange, std::string> change_in(const Json& entry, const SceneC
     }
     change.goes_on = motion == motion_words[0];
     change.must_go_on = change.goes_on && entry.contains("motion");
+    constexpr std::int64_t latest = std::numeric_limits<std::int64_t>::max() - 1;  // one more may follow
     const std::int64_t earliest = before == nullptr ? 1 : before->sample + (change.goes_on ? 1 : 0);
     change.sample = outside.count("sample").value_or(0);
-    if (change.sample < earliest) {
+    if (change.sample < earliest || change.sample > latest) {
         return tl::unexpected(fmt::format(
-            "sample: found {}, allowed: a whole number from {} on",
-            entry.contains("sample") ? quoted_briefly(entry["sample"].dump()) : "none", earliest));
+            "sample: found {}, allowed: a whole number from {} to {}",
+            entry.contains("sample") ? quoted_briefly(entry["sample"].dump()) : "none", earliest, latest));
     }
     const std::int64_t following = before == nullptr ? 1 : before->epoch + 1;
     change.epoch = entry.contains("epoch") ? outside.count("epoch").value_or(0) : following;
-    if (change.epoch < 1 || (before != nullptr && change.epoch != following)) {
+    if (change.epoch < 1 || change.epoch > latest || (before != nullptr && change.epoch != following)) {
         return tl::unexpected(std::string("epoch: it does not follow that of the change before"));
     }
     if (!outside.at("set").is_object()) {

@@ -29,7 +29,7 @@ bool is_fixed(std::string_view key) noexcept;
 std::vector<Fault> frame_faults(const Scene& from, const Scene& to);
 
 /// Simulated seconds in a second of work that are to be expected of a scene, roughly.
-double expected_real_time_factor(const Resolution& resolved) noexcept;
+double expected_real_time_factor(const Resolution& resolved);
 /// Below this a stream nearly stops.
 inline constexpr double least_real_time_factor = 0.01;
 /// Returns "a real-time factor of about 2e-08".

@@ -211,21 +211,27 @@ void SceneControl::begin() {
 }
 
 void SceneControl::start(Scene requested, Json asked, bool undo, std::vector<Request> requests) {
-    job_ = std::make_shared<Job>();
-    job_->format = source_.format();
-    job_->options = source_.options();
-    job_->from = resolved_;
-    job_->factor = factor_;
-    job_->requested = std::move(requested);
-    job_->asked = std::move(asked);
-    job_->undo = undo;
-    job_->force = undo || std::ranges::all_of(requests, &Request::force);
-    job_->requests = std::move(requests);
-    job_->thread = std::thread([job = job_] {
-        begin_background_thread(preparing_thread_name, low_priority);
-        prepare_or_explain(*job);
-        job->ready.store(true, std::memory_order_release);
-    });
+    auto job = std::make_shared<Job>();
+    job->format = source_.format();
+    job->options = source_.options();
+    job->from = resolved_;
+    job->factor = factor_;
+    job->requested = std::move(requested);
+    job->asked = std::move(asked);
+    job->undo = undo;
+    job->force = undo || std::ranges::all_of(requests, &Request::force);
+    job->requests = std::move(requests);
+    job_ = std::move(job);
+    try {
+        job_->thread = std::thread([job = job_] {
+            begin_background_thread(preparing_thread_name, low_priority);
+            prepare_or_explain(*job);
+            job->ready.store(true, std::memory_order_release);
+        });
+    } catch (const std::exception& error) {  // no thread to be had
+        job_->faults.push_back({"", error.what(), "another try later"});
+        job_->ready.store(true, std::memory_order_release);
+    }
 }
 
 /// In the preparing thread.

@@ -105,8 +105,9 @@ EstimateWatch::News EstimateWatch::finish(const MotionExtremes& now) {
     News news;
     if (estimating() && ready_.load(std::memory_order_acquire)) {
         news = look(now);
+    } else {
+        event_rate_.note(now.time_s, now.contact_events);
     }
-    event_rate_.note(now.time_s, now.contact_events);
     if (watching_ && (estimating() || exceeds(now, event_rate_, seen_))) {
         end_thread();
         news.warning += (news.warning.empty() ? "" : "; ") + given_up(now.time_s).warning;

@@ -28,7 +28,7 @@ struct DriveCounts {
     std::uint64_t samples = 0;    ///< that moved the horn
     std::uint64_t underruns = 0;  ///< how often they came too late
     std::uint64_t zeros = 0;      ///< that took the place of late ones
-    std::uint64_t lost = 0;       ///< missing between two frames: 0 took their place
+    std::uint64_t lost = 0;       ///< missing between two frames; zeros take their place up to ten seconds
     std::uint64_t refused = 0;    ///< messages that were left out
 };
 

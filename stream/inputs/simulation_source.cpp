@@ -33,7 +33,7 @@ StreamFormat SimulationSource::format_of(const Scene& scene) noexcept {
     return format;
 }
 
-double SimulationSource::memory_bytes(const Scene& scene) noexcept {
+double SimulationSource::memory_bytes(const Scene& scene) {
     return Simulation::memory_bytes(scene, streamed_taps_of(scene));
 }
 

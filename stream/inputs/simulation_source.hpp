@@ -57,8 +57,8 @@ public:
     /// The format that a scene's stream has.
     static StreamFormat format_of(const Scene& scene) noexcept;
 
-    /// Bytes that a source of this scene needs, roughly from above.
-    static double memory_bytes(const Scene& scene) noexcept;
+    /// Bytes that a source of this scene needs, roughly from above. @throws std::bad_alloc
+    static double memory_bytes(const Scene& scene);
 
 private:
     const Simulation& now() const noexcept { return current_->simulation; }

@@ -89,6 +89,9 @@ ReceivedFrame* Listener::take(const Message& message) {
 }
 
 ReceivedFrame* Listener::take(RunReceiver& run, const Message& message) {
+    if (options_.runs == ListenerOptions::Runs::one && run.end_reason() != EndReason::none) {
+        return nullptr;  // others may still go on
+    }
     ReceivedFrame* frame = run.take(message);
     if (options_.runs == ListenerOptions::Runs::every && run.end_reason() == EndReason::run_broke_off) {
         run = new_run(run.tap());

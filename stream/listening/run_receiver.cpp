@@ -242,8 +242,9 @@ ReceivedFrame* RunReceiver::take_frame(const Message& message) {
 
 std::optional<std::string> RunReceiver::samples_fault(const FrameHeader& header,
                                                       std::span<const std::byte> payload) {
-    const std::size_t most = announced_channels_.value_or(
-        channels_of(tap_, {.spheres = static_cast<std::size_t>(max_spheres), .points = max_points}));
+    const std::size_t most = announced_channels_.value_or(channels_of(
+        tap_,
+        {.spheres = static_cast<std::size_t>(max_spheres), .points = max_points, .elements = max_elements}));
     if (header.channels > most || (announced_channels_ && header.channels != most)) {
         return fmt::format("found {} channels, expected {}{}", header.channels,
                            announced_channels_ ? "" : "at most ", most);

@@ -60,9 +60,11 @@ double ring_bytes(const StreamFormat& format, Pace pace) noexcept {
 }
 
 double largest_frame_bytes(const StreamFormat& format) noexcept {
-    return static_cast<double>(format.frame_samples) *
-           static_cast<double>(std::max({std::size_t{1}, format.counts.spheres, format.counts.points})) *
-           sizeof(float);
+    std::size_t channels = 1;
+    for (const Tap tap : format.taps) {
+        channels = std::max(channels, format.channels(tap));
+    }
+    return static_cast<double>(format.frame_samples) * static_cast<double>(channels) * sizeof(float);
 }
 
 double usual_queue_bytes(std::optional<std::uint64_t> available) noexcept {

@@ -135,8 +135,13 @@ Block* Producer::wait_for_slot(std::int64_t first, std::int64_t count) noexcept 
         }
         deadline = pacer_.due(due_with);
     }
-    filling_.wait_until(deadline, [this] { return has_room() || stopping(); });
-    return try_claim();
+    while (!stopping() && MonotonicClock::now() < deadline) {
+        filling_.wait_until(deadline, [this] { return has_room() || stopping(); });
+        if (Block* slot = try_claim()) {  // not where more is demanded than there was room for
+            return slot;
+        }
+    }
+    return nullptr;
 }
 
 bool Producer::fill(Block& block, std::int64_t count) noexcept {

@@ -1,10 +1,14 @@
 #include "stream/pipeline/stream_messages.hpp"
 
 #include <algorithm>
+#include <utility>
 
 #include <fmt/format.h>
 
 #include "core/scene/json.hpp"
+#include "core/scene/scene_words.hpp"
+#include "hertzline/scene_file.hpp"
+#include "measures/provenance.hpp"
 #include "stream/pipeline/pipeline.hpp"
 #include "stream/wire/topics.hpp"
 
@@ -98,6 +102,17 @@ Json summary_json(const StreamMeters& meters, const Pipeline& pipeline, const Pu
     summary["refused_clients"] = publisher.refused_clients();
     summary["run"] = pipeline.options().run;
     return summary;
+}
+
+void add_simulation(Json& summary, const StreamMeters& meters, const Scene& last,
+                    const std::optional<ErrorEstimate>& estimate, Json recordings) {
+    summary["recordings"] = std::move(recordings);
+    summary["steps"] = meters.account.steps;
+    summary["step_s"] = *last.numerics.step_s;
+    summary["integrator"] = word(*last.numerics.integrator);
+    measures::add_estimate(summary, estimate);
+    summary["scene_hash"] = scene_hash(last);
+    summary["version"] = measures::program_version();
 }
 
 }  // namespace hertzline::stream

@@ -1,9 +1,11 @@
 #pragma once
 // The messages that describe a stream and its state to subscribers.
 
+#include <optional>
 #include <string>
 
 #include "core/scene/json.hpp"
+#include "hertzline/resolve.hpp"
 #include "hertzline/taps.hpp"
 #include "stream/inputs/sample_source.hpp"
 #include "stream/pipeline/pipeline.hpp"
@@ -30,5 +32,10 @@ std::string lateness_text(const StreamMeters& meters);
 
 /// The summary of a stream: its message of the end topic.
 Json summary_json(const StreamMeters& meters, const Pipeline& pipeline, const Publisher& publisher);
+
+/// Adds the members of a simulation's summary. @param last scene of the stream @param estimate the worst of its scenes
+/// @param recordings their states
+void add_simulation(Json& summary, const StreamMeters& meters, const Scene& last,
+                    const std::optional<ErrorEstimate>& estimate, Json recordings);
 
 }  // namespace hertzline::stream

@@ -9,6 +9,7 @@
 #include "core/scene/text.hpp"
 #include "hertzline/scene_file.hpp"
 #include "measures/provenance.hpp"
+#include "stream/pipeline/stream_messages.hpp"
 
 namespace hertzline::app {
 
@@ -76,14 +77,8 @@ void StreamSession::add_to(Json& summary, const stream::StreamMeters& meters) {
         spdlog::warn(text);
     }
     take_news(now_->estimate.finish(meters.motion));
-    const Scene& last = now_->resolved.scene;
-    summary["recordings"] = recordings::recordings_json(recordings_.status());
-    summary["steps"] = meters.account.steps;
-    summary["step_s"] = *last.numerics.step_s;
-    summary["integrator"] = word(*last.numerics.integrator);
-    measures::add_estimate(summary, worst_estimate());
-    summary["scene_hash"] = scene_hash(last);
-    summary["version"] = measures::program_version();
+    stream::add_simulation(summary, meters, now_->resolved.scene, worst_estimate(),
+                           recordings::recordings_json(recordings_.status()));
 }
 
 PublishedSource StreamSession::callbacks() {

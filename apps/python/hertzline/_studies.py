@@ -69,7 +69,7 @@ def sweep(
         None if waveforms is None else text("waveforms", waveforms),
         threads(jobs),
     )
-    return _table(found, list(keys), points is None and sobol is None)
+    return _table(found, len(keys), points is None and sobol is None)
 
 
 def optimise(
@@ -119,7 +119,7 @@ def optimise(
         optional_number("band_from_hz", band_from_hz),
         threads(jobs),
     )
-    return SearchResult(start, _table(found, list(keys), False), summary, warnings)
+    return SearchResult(start, _table(found, len(keys), False), summary, warnings)
 
 
 def _scene_of(base: Scene | Path) -> Scene:
@@ -162,7 +162,7 @@ def _points(points: Mapping[str, Any]) -> list[tuple[str, _native.Values]]:
     return list(columns.items())
 
 
-def _table(found: _native.Table, keys: list[str], grid: bool) -> Table:
+def _table(found: _native.Table, keys: int, grid: bool) -> Table:
     columns, samples, provenance = found
     arrays = {name: np.array(values, dtype=str) if isinstance(values, list) else values for name, _, values in columns}
     rows = len(next(iter(arrays.values())))
@@ -171,7 +171,7 @@ def _table(found: _native.Table, keys: list[str], grid: bool) -> Table:
         array[name] = values
     table = array.view(Table)
     table.units = {name: unit for name, unit, _ in columns}
-    table.keys = keys
+    table.keys = [name for name, _, _ in columns[1 : 1 + keys]]
     table.grid = grid
     table.waveforms = samples
     table.provenance = provenance
@@ -211,7 +211,7 @@ class Table(np.ndarray[Any, np.dtype[Any]]):
         if found.dtype.names is None:
             return found.view(np.ndarray)
         if self.waveforms is not None:
-            rows = found.dtype.names == names  # else columns
+            rows = not (isinstance(index, list) and index and isinstance(index[0], str))  # else columns
             found.waveforms = self.waveforms[index] if rows else self.waveforms
         return found
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <chrono>
 #include <memory>
 #include <optional>
 #include <string>
@@ -57,10 +58,10 @@ double memory_of(const Scene& scene, const RunRequest& request) {
                channels_of(wanted | Tap::v_out, channel_counts(scene));
 }
 
-/// Runs the scene and takes over its samples and numbers. Needs no GIL.
+/// Runs the scene and takes over its samples and numbers. Needs no GIL. @param setup_s that the choice of its step took
 /// @throws std::runtime_error when the integration fails
-void simulate(const Resolution& resolved, const RunRequest& request, const std::atomic<bool>& stop,
-              RunResult& result) {
+void simulate(const Resolution& resolved, const RunRequest& request, double setup_s,
+              const std::atomic<bool>& stop, RunResult& result) {
     const TapSet measured = request.measured | Tap::v_out;
     // taps that a Run does not keep, or of an array's middle element only
     const TapSet beside = result.counts.elements > 1 ? request.taps | measured : request.taps - measured;
@@ -82,6 +83,7 @@ void simulate(const Resolution& resolved, const RunRequest& request, const std::
     if (run.stopped) {
         return;
     }
+    run.setup_s += setup_s;
     result.warnings = measures::all_warnings(run);
     result.summary = measures::summary_json(measures::summary_of(run));
     for (TapRecord& tap : run.taps) {
@@ -95,7 +97,9 @@ void simulate(const Resolution& resolved, const RunRequest& request, const std::
 std::shared_ptr<RunResult> run(SceneObject& object, const std::optional<std::vector<std::string>>& taps,
                                const std::vector<std::string>& measure, std::optional<double> band_from_hz) {
     const RunRequest request = checked(object.scene(), taps, measure, band_from_hz);
+    const auto start = std::chrono::steady_clock::now();
     const std::shared_ptr<const Resolution> resolved = object.resolved_to_run();
+    const double setup_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     require_memory("simulating " + printable_whole(object.origin()), memory_of(resolved->scene, request));
     auto result = std::make_shared<RunResult>();
     result->sample_rate_hz = resolved->scene.output.sample_rate_hz;
@@ -103,7 +107,8 @@ std::shared_ptr<RunResult> run(SceneObject& object, const std::optional<std::vec
     result->counts = channel_counts(resolved->scene);
     result->asked = request.taps;
     result->provenance = measures::provenance_json(*resolved);
-    interruptible([&](const std::atomic<bool>& stop) { simulate(*resolved, request, stop, *result); });
+    interruptible(
+        [&](const std::atomic<bool>& stop) { simulate(*resolved, request, setup_s, stop, *result); });
     return result;
 }
 

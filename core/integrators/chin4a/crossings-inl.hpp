@@ -68,7 +68,7 @@ HWY_INLINE Flags touches(const Chin4aChain<K>& c, std::size_t k, Vec overlap, Ve
     if (HWY_LIKELY(c.tension == Tension::allowed)) {
         return overlapping;
     }
-    // without tension a contact lets go as soon as dashpot and elasticity same_moment would pull
+    // without tension a contact lets go as soon as dashpot and elasticity together would pull
     const Vec stiffness = c.rows.load(ChainField::stiffness)[k];
     const Vec force = MulAdd(c.rows.load(ChainField::damping)[k], w, elastic_force(stiffness, overlap));
     const Flags pad = Eq(stiffness, zero());

@@ -27,7 +27,7 @@ inline constexpr const char* sigmf_version = "1.2.0";
 /// SigMF's declaration of the namespace "hertzline".
 Json sigmf_extensions();
 
-/// The time in the form of SigMF files.
+/// JSON in the form of SigMF files.
 std::string sigmf_text(const Json& json);
 
 /// Entries of a list in the metadata, as text, so that earlier entries are not formatted again.

@@ -55,8 +55,9 @@ TEST(Stop, PilotsEndAndShowNothing) {
 TEST(Stop, AnEstimateOfARunEndsWhateverTheRunIs) {
     Scene scene = with_step(Scene{}, Integrator::taylor8, 1e-12);  // 1e9 pieces a millisecond
     scene.output.sample_rate_hz = 1e3;
-    EXPECT_EQ(estimate_of_run(scene, 1, nullptr).over_s, 0);
-    const ErrorEstimate all = estimate_of_run(with_step(Scene{}, Integrator::taylor8, 700e-9), 1e-3, nullptr);
+    EXPECT_EQ(estimate_of_run(scene, 1, nullptr).estimate.over_s, 0);
+    const ErrorEstimate all =
+        estimate_of_run(with_step(Scene{}, Integrator::taylor8, 700e-9), 1e-3, nullptr).estimate;
     EXPECT_DOUBLE_EQ(all.over_s, 1e-3);
 }
 

@@ -107,7 +107,7 @@ TEST(SceneChange, FaultsNameWhatIsWrong) {
     using testing::HasSubstr;
     const Json set = Json::object();
     EXPECT_THAT(fault_of(Json::array({{{"sample", 0}, {"set", set}}})),
-                HasSubstr("sample: found \"0\", allowed: a whole number from 1 on"));
+                HasSubstr("sample: found \"0\", allowed: a whole number from 1 to"));
     EXPECT_THAT(fault_of(Json::array({{{"set", set}}})), HasSubstr("sample: found none"));
     EXPECT_THAT(fault_of(Json::array({{{"sample", 9}, {"set", set}}, {{"sample", 9}, {"set", set}}})),
                 HasSubstr("change 2: sample: found \"9\", allowed: a whole number from 10 on"));
