@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstddef>
 #include <numbers>
+#include <utility>
 #include <vector>
 
 #include <Eigen/Core>
@@ -27,17 +28,24 @@ Eigen::MatrixXd chebyshev(int degrees, Eigen::Index functions, Function at) {
     return coefficients;
 }
 
-/// Clenshaw's recurrence. @param x from 0 to 1
-inline Eigen::VectorXd chebyshev_sum(const Eigen::MatrixXd& coefficients, double x) {
-    const double t = 2 * x - 1;
-    Eigen::VectorXd next = Eigen::VectorXd::Zero(coefficients.rows());
-    Eigen::VectorXd after = next;
-    for (Eigen::Index q = coefficients.cols(); q-- > 1;) {
-        const Eigen::VectorXd now = coefficients.col(q) + 2 * t * next - after;
+/// The sum of a series by Clenshaw's recurrence. @param t from -1 to 1 @param coefficient gives that of a degree @param zero of its type
+template <class Value, class Coefficient>
+Value clenshaw(Eigen::Index degrees, double t, Value zero, Coefficient coefficient) {
+    Value next = zero;
+    Value after = std::move(zero);
+    for (Eigen::Index q = degrees; q-- > 1;) {
+        const Value now = coefficient(q) + 2 * t * next - after;
         after = next;
         next = now;
     }
-    return coefficients.col(0) + t * next - after;
+    return coefficient(0) + t * next - after;
+}
+
+/// @param x from 0 to 1
+inline Eigen::VectorXd chebyshev_sum(const Eigen::MatrixXd& coefficients, double x) {
+    const Eigen::VectorXd zero = Eigen::VectorXd::Zero(coefficients.rows());
+    return clenshaw(coefficients.cols(), 2 * x - 1, zero,
+                    [&](Eigen::Index q) { return coefficients.col(q); });
 }
 
 /// Eight functions at most that are smooth between some places, and may begin and end there like square roots. Where they are steep the
@@ -60,17 +68,10 @@ public:
         const auto after = std::upper_bound(starts_.begin() + 1, starts_.end(), place);
         const auto i = static_cast<std::size_t>(after - starts_.begin()) - 1;
         const double part = std::clamp((place - starts_[i]) / (ends_[i] - starts_[i]), 0.0, 1.0);
-        // x where the smooth step has that value: the middle root of x^2 (3 - 2 x) = part
-        const double t = -2 * std::sin(std::asin(1 - 2 * part) / 3);
         const Series& series = series_[i];
-        Values next = Values::Zero();
-        Values after_next = next;
-        for (Eigen::Index q = series.cols(); q-- > 1;) {  // Clenshaw's recurrence
-            const Values now = series.col(q) + 2 * t * next - after_next;
-            after_next = next;
-            next = now;
-        }
-        return series.col(0) + t * next - after_next;
+        const Values zero = Values::Zero();
+        return clenshaw(series.cols(), inverse_smooth_step(part), zero,
+                        [&](Eigen::Index q) { return series.col(q); });
     }
 
 private:

@@ -229,17 +229,9 @@ double ForceKernel::rest_of_jump(double age) const noexcept {
         return 0;
     }
     const JumpRest& part = *std::prev(after);
-    // x where the smooth step has that value, from -1 to 1, as TableBetween has it
-    const double share = (age - part.from) / (part.to - part.from);
-    const double x = -2 * std::sin(std::asin(1 - 2 * share) / 3);
-    double next = 0;
-    double after_next = 0;
-    for (std::size_t q = part.series.size(); q-- > 1;) {  // Clenshaw's recurrence
-        const double now = part.series[q] + 2 * x * next - after_next;
-        after_next = next;
-        next = now;
-    }
-    return part.series[0] + x * next - after_next;
+    const double x = inverse_smooth_step((age - part.from) / (part.to - part.from));
+    return clenshaw(std::ssize(part.series), x, 0.0,
+                    [&part](Index q) { return part.series[static_cast<std::size_t>(q)]; });
 }
 
 /// States and kernel are smooth on the scale of an interval but near the first and last sounds, which jumps of the force show (ForceKernel::

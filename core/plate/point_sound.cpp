@@ -5,6 +5,7 @@
 #include <numbers>
 #include <utility>
 
+#include "core/plate/chebyshev.hpp"
 #include "core/plate/quadrature.hpp"
 
 namespace hertzline {
@@ -33,17 +34,10 @@ ShapeTable::ShapeTable(const std::vector<DiscMode>& modes) : modes_(static_cast<
     }
 }
 
-/// Clenshaw's recurrence.
 ShapeTable::Shapes ShapeTable::operator()(double square) const {
-    const double t = 2 * square - 1;
-    Shapes next = Shapes::Zero();
-    Shapes after = next;
-    for (Eigen::Index q = coefficients_.cols(); q-- > 1;) {
-        const Shapes now = coefficients_.col(q) + 2 * t * next - after;
-        after = next;
-        next = now;
-    }
-    return coefficients_.col(0) + t * next - after;
+    const Shapes zero = Shapes::Zero();
+    return clenshaw(coefficients_.cols(), 2 * square - 1, zero,
+                    [this](Eigen::Index q) { return coefficients_.col(q); });
 }
 
 PointSound::PointSound(const ShapeTable& shapes, double from_axis, double from_plane, double delay)

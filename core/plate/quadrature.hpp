@@ -69,5 +69,9 @@ struct SmoothStep {
 constexpr SmoothStep smooth_step(double x) noexcept {
     return {x * x * (3 - 2 * x), 6 * x * (1 - x)};
 }
+/// 2 x - 1 where the smooth step has that value: the middle root of a cubic.
+inline double inverse_smooth_step(double value) noexcept {
+    return -2 * std::sin(std::asin(1 - 2 * value) / 3);
+}
 
 }  // namespace hertzline

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "core/plate/chebyshev.hpp"
 #include "core/plate/quadrature.hpp"
 
 namespace hertzline {
@@ -95,17 +96,12 @@ ImpedanceTable::ImpedanceTable(const std::vector<DiscMode>& modes, double max_ka
     }
 }
 
-/// Clenshaw's recurrence.
 Eigen::MatrixXcd ImpedanceTable::operator()(double ka) const {
-    const double t = 2 * ka / max_ka_ - 1;
-    Eigen::MatrixXcd next = Eigen::MatrixXcd::Zero(coefficients_[0].rows(), coefficients_[0].cols());
-    Eigen::MatrixXcd after = next;
-    for (std::size_t n = coefficients_.size(); n-- > 1;) {
-        const Eigen::MatrixXcd now = coefficients_[n] + 2 * t * next - after;
-        after = next;
-        next = now;
-    }
-    return coefficients_[0] + t * next - after;
+    const Eigen::MatrixXcd zero = Eigen::MatrixXcd::Zero(coefficients_[0].rows(), coefficients_[0].cols());
+    return clenshaw(std::ssize(coefficients_), 2 * ka / max_ka_ - 1, zero,
+                    [this](Eigen::Index n) -> const Eigen::MatrixXcd& {
+                        return coefficients_[static_cast<std::size_t>(n)];
+                    });
 }
 
 }  // namespace hertzline

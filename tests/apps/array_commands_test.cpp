@@ -83,6 +83,9 @@ TEST(ArrayCommands, OneSentenceSaysWhichElementsDifferInNumbers) {
                 testing::ContainsRegex(
                     "element 2: the preload bends the disc by .*\\(and another with other numbers\\)"));
     EXPECT_THAT(told("[300,300,300]"), testing::Not(HasSubstr("element 1: the preload bends")));
+    EXPECT_THAT(told("[0.1,300,0.1]"), testing::ContainsRegex("element 2: the preload bends[^(]*\n"));
+    EXPECT_THAT(told("[300,0.1,300]"),
+                testing::ContainsRegex("element 1: the preload bends.*\\(and another\\)"));
 }
 
 TEST(ArrayCommands, OutputsOfEachSphereAreRefused) {

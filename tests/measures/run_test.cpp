@@ -16,6 +16,7 @@
 #include "core/model/energy.hpp"
 #include "hertzline/scene_file.hpp"
 #include "measures/measuring.hpp"
+#include "measures/run.hpp"
 #include "tests/support/error_of.hpp"
 
 namespace hertzline::test {
@@ -79,6 +80,7 @@ TEST(Run, RequestsThatItCannotMeetAreRefused) {
                 HasSubstr("chain.preload_n: found nan"));
     EXPECT_THAT(refusal([](Scene& scene) { scene.output.sample_rate_hz = 1e6; }),
                 HasSubstr("another sample rate"));
+    EXPECT_THAT(refusal([](Scene& scene) { scene.end.kind = EndKind::plate; }), HasSubstr("other taps"));
     EXPECT_THAT(refusal([](Scene&) {}, -5), HasSubstr("found one from sample -5 on"));
     EXPECT_THAT(refusal([](Scene& scene) { scene.chain.diameter_m = 2e-3; }, 10, true),
                 HasSubstr("cannot be continued"));
@@ -200,7 +202,7 @@ TEST(Run, ALedgerThatDoesNotCloseIsWarnedOf) {
     const auto warnings = [&done](double residual) {
         done.energy_residual = residual;
         done.warnings.clear();
-        measures::measure(done, nullptr, std::nullopt);
+        measures::measure(done, nullptr, std::nullopt, nullptr);
         return done.warnings;
     };
     EXPECT_THAT(warnings(0.2), testing::Contains(HasSubstr("energy_residual is 0.2 of what came")));
@@ -212,7 +214,7 @@ TEST(Run, ALedgerThatDoesNotCloseIsWarnedOf) {
 TEST(Run, TheFirstArrivalIsThatOfHalfThePeakAtTheFirstPoint) {
     hertzline::Run done = run(read_scene("paper-wall"));
     done.p_first = {0, 0.5, -1.9, -2.1, 4, 3};
-    measures::measure(done, nullptr, std::nullopt);
+    measures::measure(done, nullptr, std::nullopt, nullptr);
     EXPECT_EQ(done.first_arrival_s, 3 / done.scene().output.sample_rate_hz);
 }
 
@@ -229,6 +231,26 @@ TEST(Run, TheFocalGainIsOverTheMiddleElementAlone) {
     scene.output.points_m = {{1e-3, 0, 20e-3}};
     EXPECT_NEAR(array["focal_gain"], array["peak_p_points_pa"] / run(scene)["peak_p_points_pa"], 1e-3);
     EXPECT_GT(array["focal_gain"], 1.01);
+}
+
+TEST(Run, AStopIsHeededWhileTheMiddleElementIsSimulatedAlone) {
+    Scene scene = read_scene("wet-vitreous-carbon");
+    scene.drive.cycles = 1;
+    scene.output.duration_s = 60e-6;
+    scene.output.points_m = {{0, 0, 20e-3}};
+    scene.array.x_m = {-11e-3, 11e-3};
+    scene.array.y_m = {0, 0};
+    scene.array.coupling = Coupling::none;
+    std::atomic<bool> stop = false;
+    std::size_t rows = 0;
+    const hertzline::Run stopped =
+        run(resolve(scene), {.stop = &stop, .take = [&](const Samples& block) {
+                                 rows += block.count;
+                                 stop = rows == static_cast<std::size_t>(measures::rows_of_run(scene));
+                                 return true;
+                             }});
+    EXPECT_TRUE(stopped.stopped);
+    EXPECT_FALSE(stopped.alone_p_pa);
 }
 
 TEST(Run, PeaksOfAnArrayAreThoseOfItsMiddleElement) {

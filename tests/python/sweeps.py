@@ -191,6 +191,21 @@ class Sweeps(InAFolder):
         self.assertTrue(np.array_equal(frame["peak_v_out_m_per_s"], table["peak_v_out_m_per_s"]))
         self.assertEqual(frame.attrs["units"]["step_s"], "s")
 
+    def test_columns_of_all_names_keep_every_waveform(self):
+        table = hertzline.sweep(short_scene(), {"chain.spheres": [5, 6]}, waveforms="v_out")
+        self.assertTrue(np.array_equal(table[list(table.dtype.names)].waveforms, table.waveforms))
+
+    def test_the_short_name_of_a_density_stands_for_its_column(self):
+        scene = short_scene(chain={"material": "own"}, materials={"own": {"density": 7800.0, "youngs_modulus_pa": 2e11, "poissons_ratio": 0.3}})
+        table = hertzline.sweep(scene, {"materials.own.density": [7000.0, 8000.0]})
+        self.assertEqual(table.keys, ["materials.own.density_kg_per_m3"])
+        self.assertEqual(list(table[table.keys[0]]), [7000, 8000])
+
+    def test_lists_of_files_may_be_in_the_folder_above(self):
+        with self.assertRaises(ValueError) as caught:
+            hertzline.sweep(short_scene(), points={"drive.file": "../a.csv,../b.csv", "drive.cycles": [1, 2]})
+        self.assertNotIn("a range", str(caught.exception))
+
     def test_goes_to_xarray(self):
         optional("xarray")
         vary = {"chain.preload_n": [0.3, 0.1], "end.material": ["pyrex", "aluminium"]}

@@ -79,6 +79,7 @@ class WrongTypes(InAFolder):
         self.result.save(self.folder / "a.h5")
         recording = hertzline.load(self.folder / "a.h5")
         self.check(KeyError, "nope.*allowed: v_out, v_chain", lambda: recording["nope"])
+        self.check(KeyError, "nope.*allowed: v_out", lambda: recording.unit("nope"))
         for samples in (self.result, recording):
             self.assertIn("v3_m_per_s", samples)
             self.assertNotIn("v7_m_per_s", samples)

@@ -97,6 +97,23 @@ TEST_P(RecordedChanges, ThoseBeforeItsBeginningComeFirst) {  // of a listener th
     EXPECT_EQ(open_reader(file)->head().provenance["changes"], Json({change(5, 1), change(110, 2)}));
 }
 
+TEST(RecordedChanges, AWavOutlivesAListThatCannotBeWritten) {
+    const TemporaryFolder folder;
+    const std::string file = folder.file("a.wav");
+    const auto writer = open_recording(file, head_of_run());
+    writer->write(0, recorded_rows(head_of_run(), 0, 10).values);
+    writer->note_change(change(10, 1));
+    writer->write(10, recorded_rows(head_of_run(), 10, 10).values);
+    std::filesystem::create_directory(file + "-changes.json");
+    EXPECT_THAT([&] { writer->commit(); },
+                testing::ThrowsMessage<std::runtime_error>(testing::HasSubstr("a.wav-changes.json")));
+    const KeptRows kept = writer->kept();
+    EXPECT_EQ(kept.rows, 20);
+    std::filesystem::rename(kept.file, folder.file("kept.wav"));
+    const auto reader = open_reader(folder.file("kept.wav"));
+    EXPECT_EQ(read_rows(*reader).front().values, recorded_rows(head_of_run(), 0, 20).values);
+}
+
 TEST(RecordedChanges, AnyNumberOfThemFitsIntoSigmf) {
     const TemporaryFolder folder;
     const RecordingHead head = head_of_run();

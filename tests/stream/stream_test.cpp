@@ -9,6 +9,7 @@
 #include <gtest/gtest.h>
 
 #include "hertzline/run.hpp"
+#include "hertzline/scene_file.hpp"
 #include "tests/support/error_of.hpp"
 #include "tests/support/temporary_folder.hpp"
 
@@ -42,7 +43,13 @@ TEST(PublishedStream, AListenerHasTheSamplesOfARun) {
     }
     EXPECT_TRUE(listener.complete()) << listener.text();
     EXPECT_THAT(listener.text(), HasSubstr("v_out: "));
-    EXPECT_EQ(published.get()["samples"], 5000);
+    const nlohmann::ordered_json summary = published.get();
+    EXPECT_EQ(summary["samples"], 5000);
+    EXPECT_EQ(summary["scene_hash"], scene_hash(resolved.scene));
+    EXPECT_EQ(summary["estimated_error"], resolved.estimate->error);
+    for (const char* name : {"version", "estimated_over_s", "steps", "step_s", "integrator", "recordings"}) {
+        EXPECT_TRUE(summary.contains(name)) << name;  // as messages.schema.json requires
+    }
     EXPECT_FLOAT_EQ(peak, static_cast<float>(run(resolved)["peak_v_out_m_per_s"]));
 }
 
@@ -50,6 +57,12 @@ TEST(PublishedStream, WrongRequestsAreRefused) {
     Scene nothing;
     nothing.chain.spheres = 0;
     EXPECT_THAT(error_of([&] { publish(resolve(nothing)); }), HasSubstr("chain.spheres: found 0"));
+    Scene live;
+    live.drive.kind = DriveKind::live;
+    EXPECT_THAT(error_of([&] { publish(resolve(live)); }), HasSubstr("drive.kind: found \"live\""));
+    Scene many = read_scene("wet-vitreous-carbon");
+    many.output.points_m.assign(65, {0, 0, 10e-3});
+    EXPECT_THAT(error_of([&] { publish(resolve(many)); }), HasSubstr("found 65 points, allowed: 64"));
     EXPECT_THROW(publish(resolve(Scene{}), {.pace = -1}), std::invalid_argument);
     EXPECT_THROW(publish(resolve(Scene{}), {.duration_s = 0}), std::invalid_argument);
     EXPECT_THAT(error_of([] { publish(resolve(Scene{}), {.endpoint = "nowhere"}); }), HasSubstr("nowhere"));

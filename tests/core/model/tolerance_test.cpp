@@ -63,6 +63,8 @@ TEST(Tolerance, TheElementsOfAnArrayDrawTheirOwn) {
     scene.chain.tolerance = 0.01;
     EXPECT_NE(SphereRow(element_scene(scene, 0))[0].radius_m, SphereRow(element_scene(scene, 1))[0].radius_m);
     EXPECT_EQ(SphereRow(element_scene(scene, 0))[0].radius_m, SphereRow(element_scene(scene, 0))[0].radius_m);
+    scene.chain.seed = 1'000'000'000;
+    EXPECT_TRUE(validate(element_scene(scene, 1)).empty()) << "a seed beyond the largest";
 }
 
 }  // namespace

@@ -7,6 +7,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "hertzline/scene_file.hpp"
 #include "hertzline/simulation.hpp"
 #include "tests/support/seen_scenes.hpp"
 
@@ -48,6 +49,21 @@ TEST(EstimateWatch, EstimatesAgainWhenTheMotionGrows) {
     // the range now includes this motion
     EXPECT_EQ(watch.finish(grown).warning, "");
     EXPECT_EQ(watch.estimates(), 1);
+}
+
+TEST(EstimateWatch, AnArrayThatMovesAsItsEstimateHasSeenIsLeftAlone) {
+    Scene scene = read_scene("wet-vitreous-carbon");
+    scene.drive.cycles = 2;
+    scene.array.x_m = {0, 30e-3};
+    scene.array.y_m = {0, 0};
+    scene.array.coupling = Coupling::none;
+    const Resolution resolved = resolve(scene, std::nullopt);
+    ASSERT_TRUE(resolved.estimate);
+    EstimateWatch watch(resolved);
+    const MotionExtremes moved = extent_after(resolved.scene, 0.5 * resolved.estimate->over_s);
+    EXPECT_GT(moved.largest_press_m, 0);
+    EXPECT_EQ(watch.look(moved).warning, "");
+    EXPECT_FALSE(watch.estimating());
 }
 
 TEST(EstimateWatch, DoesNothingWhileTheMotionIsSteady) {

@@ -90,6 +90,25 @@ TEST_F(ListenerTest, FollowsEveryRunWhenAskedTo) {
     EXPECT_TRUE(listener.runs().empty());
 }
 
+TEST_F(ListenerTest, ATapThatTheRunLacksIsToldOnceAndStaysSo) {
+    int told = 0;
+    Listener listener(endpoint,
+                      {.taps = TapSet(Tap::v_out) | Tap::v_plate, .notify = [&](const std::string& text) {
+                           told += text.find("no stream v_plate") != std::string::npos ? 1 : 0;
+                       }});
+    introduce(listener, "a");
+    send_frame("a", 0);
+    send_meta("a");
+    send_meta("a");
+    send_frame("a", 1);
+    EXPECT_THAT(runs_of(listener, 2), testing::SizeIs(2));
+    publisher.send("end", std::string_view(R"({"run": "a", "samples": 4})"));
+    EXPECT_THAT(runs_of(listener, 1), testing::IsEmpty());
+    EXPECT_EQ(told, 1);
+    EXPECT_EQ(listener.runs().at(Tap::v_out).end_reason(), EndReason::end_of_run);
+    EXPECT_EQ(listener.runs().at(Tap::v_plate).end_reason(), EndReason::no_such_stream);
+}
+
 TEST_F(ListenerTest, EndsAfterASilenceThatIsNotWaitedFor) {
     Listener polled(endpoint, {.timeout_s = 0.3});
     EXPECT_TRUE(eventually([&] {

@@ -1,5 +1,7 @@
 #include "stream/pipeline/capacity.hpp"
 
+#include <algorithm>
+
 #include <gtest/gtest.h>
 
 namespace hertzline::test {
@@ -41,6 +43,21 @@ TEST(SamplesPerRelease, AreHalfAMillisecondUnlessTheRingIsTooShort) {
     EXPECT_EQ(samples_per_release(chain_of(1), Pace::factor(0.1), 488), 500U);
     EXPECT_EQ(samples_per_release(chain_of(1), Pace::realtime(), 4), 1024U);
     EXPECT_EQ(samples_per_release(chain_of(1), Pace::factor(1e-6), 4), 1U);
+}
+
+TEST(LargestFrame, IsThatOfTheWidestTap) {
+    StreamFormat format = chain_of(6);
+    format.counts.elements = 256;
+    format.taps = TapSet(Tap::v_out);
+    const double one_channel = 1024 * sizeof(float);
+    EXPECT_EQ(largest_frame_bytes(format), one_channel * static_cast<double>(format.channels(Tap::v_out)));
+    format.taps = streamed_taps;
+    double widest = 0;
+    for (const Tap tap : streamed_taps) {
+        widest = std::max(widest, static_cast<double>(format.channels(tap)));
+    }
+    EXPECT_GE(widest, 256);
+    EXPECT_EQ(largest_frame_bytes(format), one_channel * widest);
 }
 
 TEST(QueueBytes, AreAnEighthOfTheAvailableMemoryAndAtMostAGibibyte) {
