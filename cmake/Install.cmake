@@ -2,15 +2,15 @@
 # hertzline-core and hertzline, which is both.
 include(CMakePackageConfigHelpers)
 
-# Every header of include/hertzline belongs to a room; hertzline.hpp includes them all.
+# Every header of include/hertzline belongs to a module; hertzline.hpp includes them all.
 file(GLOB headers CONFIGURE_DEPENDS RELATIVE ${PROJECT_SOURCE_DIR}/include/hertzline include/hertzline/*.hpp)
 get_property(public_headers GLOBAL PROPERTY HERTZLINE_PUBLIC_HEADERS)
 list(REMOVE_ITEM headers hertzline.hpp ${public_headers})
 if(headers)
-  message(FATAL_ERROR "include/hertzline has headers that no room names as public: ${headers}")
+  message(FATAL_ERROR "include/hertzline has headers that no module names as public: ${headers}")
 endif()
 
-# All rooms that others may use.
+# All modules that others may use.
 add_library(hertzline_everything INTERFACE)
 add_library(hertzline::hertzline ALIAS hertzline_everything)
 set_target_properties(hertzline_everything PROPERTIES EXPORT_NAME hertzline)

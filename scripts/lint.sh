@@ -8,7 +8,7 @@ set -euo pipefail
 cd "$(dirname "$0")/.."
 mode=${1:-}
 most_sources=10
-sources_of_rooms=({include,core,measures,recordings,studies,stream,scope,apps}/'*.'[ch]pp)
+sources_of_modules=({include,core,measures,recordings,studies,stream,scope,apps}/'*.'[ch]pp)
 
 # Prints the commit to compare with; nothing in a clone of a single commit.
 base_commit() { # [BASE]
@@ -25,7 +25,7 @@ base_commit() { # [BASE]
 source_of() { # FILE
     case "$1" in *.cpp) echo "$1" && return ;; esac
     [ -f "${1%.hpp}.cpp" ] && echo "${1%.hpp}.cpp" && return
-    for includer in $(git grep -lF "#include \"${1#include/}\"" -- "${sources_of_rooms[@]}" | sort -t . -k 2); do
+    for includer in $(git grep -lF "#include \"${1#include/}\"" -- "${sources_of_modules[@]}" | sort -t . -k 2); do
         source_of "$includer"
         return
     done
@@ -34,7 +34,7 @@ source_of() { # FILE
 # Prints the changed sources, those with most changed lines first: a change of all names touches every source, and clang-tidy takes
 # seconds for each.
 changed_sources() { # COMMIT
-    git diff --numstat --no-renames --diff-filter=d "$1" -- "${sources_of_rooms[@]}" |
+    git diff --numstat --no-renames --diff-filter=d "$1" -- "${sources_of_modules[@]}" |
         awk '{ print $1 + $2, $3 }' | sort -k1,1nr -k2,2 |
         while read -r _ file; do source_of "$file"; done | awk '!seen[$0]++'
 }
@@ -58,7 +58,7 @@ case "$mode" in
     left=$(($(echo "$changed" | wc -l) - $(echo "$chosen" | wc -l)))
     [ "$left" -eq 0 ] || echo "clang-tidy leaves out $left changed sources: scripts/lint.sh checks all" >&2
     ;;
-*) chosen=$(git ls-files "${sources_of_rooms[@]}" | grep '\.cpp$') ;;
+*) chosen=$(git ls-files "${sources_of_modules[@]}" | grep '\.cpp$') ;;
 esac
 [ -n "$chosen" ] || exit 0
 echo "clang-tidy on $(echo "$chosen" | wc -l) sources ..." >&2

@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
-"""Checks the order of core's rooms, from the lowest to the highest: each may use itself and lower ones.
+"""Checks the order of core's modules, from the lowest to the highest: each may use itself and lower ones.
 
-The rooms of the whole project need no such test: a target finds only the headers of rooms that it links (cmake/Rooms.cmake).
+The modules of the whole project need no such test: a target finds only the headers of modules that it links (cmake/Modules.cmake).
 layers.py CHECK [ARGUMENT]:
-  includes          every #include "core/..." goes to the same room or a lower one
+  includes          every #include "core/..." goes to the same module or a lower one
   symbols BUILD     so does every symbol that an object file takes from another one
   self-test         the checks find wrong includes and symbols made for this test
 """
@@ -14,16 +14,16 @@ import sys
 import tempfile
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
-ROOMS = ["simd", "scene", "plate", "model", "integrators", "solvers", "array", "simulation", "step_choice"]
+MODULES = ["simd", "scene", "plate", "model", "integrators", "solvers", "array", "simulation", "step_choice"]
 INCLUDE = re.compile(r'\s*#\s*include\s*"core/([^"]+)"')
 UNITED = re.compile(r"Unity/unity_core-(\w+?)(?:-[\w-]+)?_cxx\.cxx")  # as cmake/Flags.cmake names united sources
 
 
 def height_of(path):
-    """Returns the height of a room, given the path of one of its sources in core."""
+    """Returns the height of a module, given the path of one of its sources in core."""
     united = UNITED.match(path)
-    room = united[1] if united else re.split(r"[/.]", path)[0]
-    return ROOMS.index("scene" if room == "shipped_scenes_data" else room)
+    module = united[1] if united else re.split(r"[/.]", path)[0]
+    return MODULES.index("scene" if module == "shipped_scenes_data" else module)
 
 
 def includes_faults(root):
@@ -32,7 +32,7 @@ def includes_faults(root):
         for number, line in enumerate(path.read_text(encoding="utf-8").splitlines(), 1):
             match = INCLUDE.match(line)
             if match and height_of(match[1]) > height_of(source):
-                yield f"core/{source}:{number}: {ROOMS[height_of(source)]} may not include core/{match[1]}"
+                yield f"core/{source}:{number}: {MODULES[height_of(source)]} may not include core/{match[1]}"
 
 
 def symbols_of(build):
@@ -46,7 +46,7 @@ def symbols_of(build):
 
 
 def symbols_faults(symbols):
-    """Yields uses of higher rooms. A symbol with several definitions (an inline function) belongs to no room."""
+    """Yields uses of higher modules. A symbol with several definitions (an inline function) belongs to no module."""
     symbols = list(symbols)
     definitions = {symbol: source for source, kind, symbol in symbols if kind in "TDBRG"}
     if not definitions:
@@ -54,7 +54,7 @@ def symbols_faults(symbols):
     for source, kind, symbol in symbols:
         defined = definitions.get(symbol)
         if kind == "U" and defined and height_of(defined) > height_of(source):
-            yield f"core/{source}: {ROOMS[height_of(source)]} may not need {symbol} of core/{defined}"
+            yield f"core/{source}: {MODULES[height_of(source)]} may not need {symbol} of core/{defined}"
 
 
 def self_test():
@@ -75,8 +75,8 @@ def self_test():
         expect(list(includes_faults(root)), ["core/scene/scene.hpp:2: scene may not include core/model/chain.hpp",
                                              "core/solvers/solver.cpp:1: solvers may not include core/simulation.hpp"])
 
-    expect(height_of("Unity/unity_core-step_choice_cxx.cxx.o"), ROOMS.index("step_choice"))
-    expect(height_of("Unity/unity_core-integrators-simd_cxx.cxx.o"), ROOMS.index("integrators"))
+    expect(height_of("Unity/unity_core-step_choice_cxx.cxx.o"), MODULES.index("step_choice"))
+    expect(height_of("Unity/unity_core-integrators-simd_cxx.cxx.o"), MODULES.index("integrators"))
     symbols = [("scene/text.cpp.o", "T", "trimmed()"), ("scene/text.cpp.o", "W", "inlined()"), ("model/chain.cpp.o", "T", "stiffness()"),
                ("model/chain.cpp.o", "U", "trimmed()"), ("model/chain.cpp.o", "U", "malloc")]
     expect(list(symbols_faults(symbols)), [])

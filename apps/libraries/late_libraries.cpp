@@ -1,6 +1,6 @@
 // The libraries that most subcommands do without: linked, they and the libraries that they bring along would take most of the time of
 // each start. Their functions are defined here, so that the linker leaves the libraries out. The first call of a function loads its
-// library. The rooms know nothing of it; other programs link the libraries.
+// library. The modules know nothing of it; other programs link the libraries.
 
 #include <cerrno>
 #include <cstdarg>

@@ -33,9 +33,9 @@ with tarfile.open(package) as archive:
 unpacked = work / package.name.removesuffix(".tar.gz")
 assert f'"{commit}"' in (unpacked / "cmake/GitHash.cmake").read_text(encoding="utf-8")
 
-# The rooms that CMakeLists.txt names, with all of their files; CMake finds its sources.
-rooms = ("apps", "cmake", "core", "include", "measures", "recordings", "scenes", "scope", "stream", "studies")
-missing = [path.relative_to(work / "tree") for room in rooms for path in (work / "tree" / room).rglob("*")
+# The modules that CMakeLists.txt names, with all of their files; CMake finds its sources.
+modules = ("apps", "cmake", "core", "include", "measures", "recordings", "scenes", "scope", "stream", "studies")
+missing = [path.relative_to(work / "tree") for module in modules for path in (work / "tree" / module).rglob("*")
            if path.is_file() and not (unpacked / path.relative_to(work / "tree")).exists()]
 assert not missing, missing
 subprocess.run(["cmake", "-S", unpacked, "-B", work / "configured", "-G", "Ninja", "-DHERTZLINE_TESTS=OFF", "-DHERTZLINE_BENCH=OFF",
