@@ -58,7 +58,7 @@ double plain_number(std::uint64_t bits, const FileNumber& type) {
             return static_cast<double>(static_cast<std::int64_t>(bits << unused) >> unused);
         case Kind::natural:
             return static_cast<double>(bits);
-        case Kind::truth:
+        case Kind::boolean:
             break;
     }
     return bits == 0 ? 0 : 1;
@@ -92,7 +92,7 @@ bool is_known(const FileNumber& type) noexcept {
         case Kind::integer:
         case Kind::natural:
             return type.bytes >= 1 && type.bytes <= 8;
-        case Kind::truth:
+        case Kind::boolean:
             break;
     }
     return type.bytes == 1;

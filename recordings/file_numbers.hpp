@@ -12,14 +12,14 @@ namespace hertzline::recordings {
 
 /// The type of numbers in a file.
 struct FileNumber {
-    enum class Kind { floating, integer, natural, truth };
+    enum class Kind { floating, integer, natural, boolean };
     Kind kind = Kind::floating;
     std::size_t bytes = sizeof(double);
     std::endian order = std::endian::little;
     bool operator==(const FileNumber&) const = default;
 };
 
-/// Whether append_numbers() knows the type: floating-point numbers of 2, 4 and 8 bytes, integers of 1 to 8, truth values of 1.
+/// Whether append_numbers() knows the type: floating-point numbers of 2, 4 and 8 bytes, integers of 1 to 8, booleans of 1.
 bool is_known(const FileNumber& type) noexcept;
 
 /// The type of numbers that holds all of that type, or float64.
@@ -29,7 +29,7 @@ NumberType number_type_of(const FileNumber& type) noexcept;
 bool is_share(const FileNumber& type) noexcept;
 
 /// Appends numbers. Integers of up to 32 bits are an audio file's: -1 to 1, natural numbers about their middle. Longer
-/// ones are taken as they are, truth values as 0 and 1. @param bytes of whole numbers of a type that is known
+/// ones are taken as they are, booleans as 0 and 1. @param bytes of whole numbers of a type that is known
 void append_numbers(const FileNumber& type, std::span<const std::byte> bytes, std::vector<double>& numbers);
 
 /// Returns a single number; integers are taken as they are.

@@ -104,7 +104,7 @@ void print_scenes(const std::vector<JudgedScene>& scenes) {
     if (scenes.empty()) {
         return;
     }
-    std::printf("%-20s %-8s", "error/estimate", "truth's");
+    std::printf("%-20s %-8s", "error/estimate", "reference's");
     for (std::size_t a = 0; a < accuracies_of(scenes); ++a) {
         std::printf(" %-18s", asked(scenes.front(), a).c_str());
     }
@@ -179,7 +179,7 @@ void print_silent_misses(const std::vector<JudgedScene>& scenes) {
 
 void print_estimates(const std::vector<JudgedScene>& scenes) {
     std::printf(
-        "\nestimate over truth (without runs that amplify rounding errors; lower values count as %.0e)\n"
+        "\nestimate over true error (without runs that amplify rounding errors; lower values count as %.0e)\n"
         "%-9s %6s %9s %9s %9s %9s %9s %10s\n",
         test::indistinguishable, "asked", "n", "lowest", "5 %", "median", "95 %", "highest", "within 3x");
     std::vector<double> all;

@@ -1,5 +1,5 @@
 #pragma once
-// The end that the last sphere leans on: a linear system that the force of the last contact drives.
+// The end that the last sphere presses against: a linear system that the force of the last contact drives.
 
 #include <memory>
 #include <vector>

@@ -32,7 +32,7 @@ TomlValue value_in(const toml::node& node) {
         return SceneValue(text->get());
     }
     if (const auto* truth = node.as_boolean()) {
-        return TomlOther{truth->get() ? "true" : "false"};
+        return TomlOther{boolean->get() ? "true" : "false"};
     }
     if (node.is_table()) {
         return TomlTable{};

@@ -17,7 +17,7 @@ namespace hertzline {
 /// A section or a table.
 struct TomlTable {};
 
-/// A value of a type that no scene key takes: a truth value, a date.
+/// A value of a type that no scene key takes: a boolean, a date.
 struct TomlOther {
     std::string description;
 };

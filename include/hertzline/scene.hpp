@@ -98,7 +98,7 @@ struct Spheres {
     bool operator==(const Spheres&) const = default;
 };
 
-/// The end that the last sphere leans on.
+/// The end that the last sphere presses against.
 struct End {
     EndKind kind = EndKind::plate;
     std::string material = "vitreous_carbon";

@@ -54,7 +54,7 @@ struct NpyType {
     std::optional<FileNumber> number() const noexcept {
         constexpr std::string_view kinds = "fiubc";
         constexpr std::array numbers{FileNumber::Kind::floating, FileNumber::Kind::integer,
-                                     FileNumber::Kind::natural, FileNumber::Kind::truth,
+                                     FileNumber::Kind::natural, FileNumber::Kind::boolean,
                                      FileNumber::Kind::floating};
         const std::size_t place = kinds.find(kind);
         const bool half_numbers = is_complex() && bytes % 2 != 0;  // "<c9"

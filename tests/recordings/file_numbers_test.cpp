@@ -66,7 +66,7 @@ TEST(FileNumbers, OthersAreNotKnown) {
     EXPECT_FALSE(is_known({Kind::floating, 16, std::endian::little}));
     EXPECT_FALSE(is_known({Kind::integer, 9, std::endian::little}));
     EXPECT_FALSE(is_known({Kind::natural, 0, std::endian::little}));
-    EXPECT_FALSE(is_known({Kind::truth, 4, std::endian::little}));
+    EXPECT_FALSE(is_known({Kind::boolean, 4, std::endian::little}));
     EXPECT_EQ(number_type_of({Kind::integer, 3, std::endian::big}), NumberType::float32);
     EXPECT_EQ(number_type_of({Kind::integer, 4, std::endian::big}), NumberType::float64);
 }
