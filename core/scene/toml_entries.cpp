@@ -31,7 +31,7 @@ TomlValue value_in(const toml::node& node) {
     if (const auto* text = node.as_string()) {
         return SceneValue(text->get());
     }
-    if (const auto* truth = node.as_boolean()) {
+    if (const auto* boolean = node.as_boolean()) {
         return TomlOther{boolean->get() ? "true" : "false"};
     }
     if (node.is_table()) {
