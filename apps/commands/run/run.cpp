@@ -133,7 +133,7 @@ hertzline::Run simulate(const Session& session, TapSet recorded, TapSet measured
 
 void measure(hertzline::Run& run, std::optional<double> band_from_hz) {
     SpectrumAnalyser analyser(run.rows(), run.scene().output.sample_rate_hz);
-    measures::measure(run, &analyser, band_from_hz);
+    measures::measure(run, &analyser, band_from_hz, nullptr);
     for (const std::string& text : run.warnings) {
         spdlog::warn(text);
     }
