@@ -35,9 +35,13 @@ bool shows_ringing(const Scene& scene, std::size_t samples) {
     return static_cast<double>(samples) >= burst_samples + 2 * static_cast<double>(period_samples(scene));
 }
 
-/// The largest velocity of the horn or of the spheres that start with one [m/s].
-double velocity_given(const Scene& scene) noexcept {
-    return std::max(largest_velocity(scene.drive), std::abs(scene.chain.impact_velocity_m_per_s));
+/// The largest velocity of any horn or of the spheres that start with one [m/s].
+double velocity_given(const Scene& scene) {
+    double largest = std::abs(scene.chain.impact_velocity_m_per_s);
+    for (std::size_t element = 0; element < chains_of(scene); ++element) {
+        largest = std::max(largest, largest_velocity(element_scene(scene, element).drive));
+    }
+    return largest;
 }
 
 std::optional<std::string> ringing(const Scene& scene, std::span<const double> v_out,

@@ -131,8 +131,14 @@ ArraySolver::ArraySolver(const ResolvedScene& resolved, const SimulationOptions&
 
 std::vector<std::string> array_warnings(const Scene& scene) {
     constexpr std::size_t most = 37;  // that take no longer to be looked at than a moment
-    if (chains_of(scene) < 2 || chains_of(scene) > most || scene.medium.load != FluidLoad::radiation) {
+    if (chains_of(scene) < 2 || scene.medium.load != FluidLoad::radiation) {
         return {};
+    }
+    if (chains_of(scene) > most) {
+        return couples(scene) ? std::vector<std::string>()
+                              : std::vector<std::string>{
+                                    "the discs do not feel each other (array.coupling); with more than 37 "
+                                    "elements it is not worked out how much that changes"};
     }
     Scene coupled = scene;
     coupled.array.coupling = Coupling::fluid;

@@ -79,6 +79,7 @@ Scene as_declared(Scene scene) {
         scene.drive.kind = DriveKind::tone;
         scene.drive.start_s = 0;
         scene.drive.samples.clear();
+        scene.drive.horn = HornModel::prescribed;  // samples are the tip's free motion, as the tone then is
     }
     return scene;
 }

@@ -42,7 +42,8 @@ bool awaits_samples(const Drive& drive) noexcept;
 /// The fault of a run with such a drive.
 std::optional<Fault> awaited_samples_fault(const Drive& drive);
 
-/// The tone that a live drive declares, for pilots: no other is known. Any other scene as it is.
+/// The tone that a live drive declares, for pilots: no other is known. A resonator is taken for rigid, as the chain takes little of its
+/// motion. Any other scene as it is.
 Scene as_declared(Scene scene);
 
 /// The scene of a live drive with all that its keys leave open: the rate of the output, the quantity of the stream that it subscribes to,

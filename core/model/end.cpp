@@ -144,9 +144,10 @@ struct BandLimit {
 };
 
 BandLimit highest_band_limit(const Scene& scene, const PlateParameters& plate) {
+    const double drive_hz = scene.drive.kind != DriveKind::none ? highest_frequency_hz(scene.drive) : 0;
     const std::array limits{
         BandLimit{plate.contact_hz, 5, "the fastest contacts", "larger or softer spheres"},
-        BandLimit{highest_frequency_hz(scene.drive), 10, "the drive", "a slower drive"},
+        BandLimit{drive_hz, 10, "the drive", "a slower drive"},
         BandLimit{highest_dry_hz(plate), 1.5, "the last mode", "fewer end.modes"}};
     return *std::ranges::max_element(limits, {}, &BandLimit::hz);
 }
@@ -197,7 +198,10 @@ std::vector<Fault> plate_faults(const Scene& scene) {
     }
     const double dry = highest_dry_hz(p);
     const double highest = fastest_mode * fastest_contact_hz(scene);
-    if (!(dry <= highest)) {
+    if (highest == 0) {
+        faults.push_back({"chain.preload_n", "0, without a motion of the horn or of spheres at the start",
+                          "a preload or a motion: else nothing presses on the disc"});
+    } else if (!(dry <= highest)) {
         faults.push_back({"end.modes",
                           number_text(scene.end.modes) + ", the last of " + rounded_text(dry, 3) + " Hz",
                           "modes of at most " + rounded_text(highest, 3) + " Hz, " +

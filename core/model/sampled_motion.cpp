@@ -31,7 +31,7 @@ double mean_of(std::span<const double> values) noexcept {
     return values.empty() ? 0 : sum / static_cast<double>(values.size());
 }
 
-/// The record's samples in m or m/s, without offset and drift, which are noted.
+/// The record's samples in m or m/s, without offset and drift, which are noted. A live drive keeps its drift, as it did when it came.
 std::vector<double> levelled(const Drive& drive, double rate, RecordFacts& facts) {
     std::vector<double> samples = drive.samples;
     for (double& sample : samples) {
@@ -39,12 +39,13 @@ std::vector<double> levelled(const Drive& drive, double rate, RecordFacts& facts
     }
     const std::size_t count = samples.size();
     const std::size_t part = count / 20;
+    const bool may_drift = part > 0 && drive.kind != DriveKind::live;
     facts.offset = samples.front();
     if (recorded_quantity(drive) == DriveQuantity::velocity) {
         facts.drift_m_per_s = mean_of(samples);
         const std::span<const double> all(samples);
         facts.drift_removed =
-            part > 0 && drifts(facts.drift_m_per_s, mean_of(all.first(part)), mean_of(all.last(part)));
+            may_drift && drifts(facts.drift_m_per_s, mean_of(all.first(part)), mean_of(all.last(part)));
         for (double& sample : samples) {
             sample -= facts.drift_removed ? facts.drift_m_per_s : 0;
         }
@@ -54,8 +55,8 @@ std::vector<double> levelled(const Drive& drive, double rate, RecordFacts& facts
         count > 1 ? (samples.back() - samples.front()) / static_cast<double>(count - 1) : 0;
     facts.drift_m_per_s = per_sample * rate;
     const double parts = static_cast<double>(std::max<std::size_t>(part, 1));
-    facts.drift_removed = part > 0 && drifts(per_sample, (samples[part] - samples[0]) / parts,
-                                             (samples[count - 1] - samples[count - 1 - part]) / parts);
+    facts.drift_removed = may_drift && drifts(per_sample, (samples[part] - samples[0]) / parts,
+                                              (samples[count - 1] - samples[count - 1 - part]) / parts);
     for (std::size_t i = 0; i < count; ++i) {
         samples[i] -= facts.offset + (facts.drift_removed ? per_sample * static_cast<double>(i) : 0);
     }
@@ -135,6 +136,7 @@ namespace {
 
 /// All that a motion depends on.
 struct MotionKey {
+    DriveKind kind;
     std::optional<DriveQuantity> quantity;
     std::optional<double> sample_rate_hz, scale, lowpass_hz;
     std::vector<double> samples;
@@ -146,8 +148,9 @@ struct MotionKey {
 std::shared_ptr<const SampledMotion> SampledMotion::of(const Drive& drive) {
     constexpr std::size_t most = 8;  // a scene asks for its own several times
     static LatestResults<MotionKey, SampledMotion> kept(most);
-    return kept.of({drive.quantity, drive.sample_rate_hz, drive.scale, drive.lowpass_hz, drive.samples},
-                   [&] { return SampledMotion(drive); });
+    return kept.of(
+        {drive.kind, drive.quantity, drive.sample_rate_hz, drive.scale, drive.lowpass_hz, drive.samples},
+        [&] { return SampledMotion(drive); });
 }
 
 }  // namespace hertzline

@@ -94,11 +94,16 @@ void add_units(const Scene& s, std::vector<std::string>& warnings) {
                        "kilohertz"},
     };
     warn_of_suspicious_units(values, warnings);
-    for (std::size_t i = 0; plate && i < s.end.thicknesses_m.size(); ++i) {
-        const std::string key = "end.thicknesses_m[" + std::to_string(i + 1) + "]";
-        const double thickness = s.end.thicknesses_m[i];
-        warn_of_suspicious_units(
-            std::array{SuspiciousUnit{key, thickness, thickness >= 0.05, "m", "millimetres"}}, warnings);
+    const auto look_at_list = [&](const std::string& name, std::span<const double> list, double odd) {
+        for (std::size_t i = 0; i < list.size(); ++i) {
+            const std::string key = name + "[" + std::to_string(i + 1) + "]";
+            warn_of_suspicious_units(
+                std::array{SuspiciousUnit{key, list[i], list[i] >= odd, "m", "millimetres"}}, warnings);
+        }
+    };
+    look_at_list("chain.diameters_m", s.chain.diameters_m, 0.1);
+    if (plate) {
+        look_at_list("end.thicknesses_m", s.end.thicknesses_m, 0.05);
     }
     add_units_of_materials(s, warnings);
 }
@@ -127,6 +132,16 @@ std::optional<std::string> bent_too_far(const Scene& scene, std::string_view ben
 
 constexpr std::string_view remedy = "; end.theory = \"thick\" has the shear that is missing";
 
+/// The lowest and the highest frequency of a drive, 0 where there is none [Hz].
+std::array<double, 2> frequencies_of(const Drive& drive) noexcept {
+    if (drive.kind == DriveKind::none) {
+        return {0, 0};
+    }
+    const double last =
+        drive.kind == DriveKind::file ? drive.frequency_hz : drive.sweep_to_hz.value_or(drive.frequency_hz);
+    return {std::min(drive.frequency_hz, last), std::max(drive.frequency_hz, last)};
+}
+
 /// Modes whose waves are too short for the theory, and a fluid that is taken for a mass where it is not.
 void add_modes(const Scene& scene, const PlateResponse& plate, std::vector<std::string>& warnings) {
     const bool thin = scene.end.theory == PlateTheory::thin;
@@ -141,7 +156,7 @@ void add_modes(const Scene& scene, const PlateResponse& plate, std::vector<std::
             break;  // higher ones are worse
         }
     }
-    const double ka = 2 * std::numbers::pi * scene.drive.frequency_hz * scene.end.radius_m /
+    const double ka = 2 * std::numbers::pi * frequencies_of(scene.drive)[1] * scene.end.radius_m /
                       plate.parameters.fluid.sound_speed_m_per_s;
     if (scene.medium.load == FluidLoad::added_mass && ka > largest_mass_ka) {
         warnings.push_back("medium.load is \"added_mass\" with k a = " + briefly(ka) +
@@ -156,7 +171,8 @@ void add_plate(const Scene& scene, const Chain& chain, std::vector<std::string>&
     const double thickness = laminate(layers_of(scene)).section.thickness_m;
     const double ratio = thickness / scene.end.radius_m;
     const bool modal = scene.end.model == PlateModel::modal;
-    if (ratio > thickest_disc && !(modal && scene.end.theory == PlateTheory::thick)) {
+    const bool by_theory = modal ? scene.end.theory == PlateTheory::thin : !scene.end.stiffness_n_per_m;
+    if (ratio > thickest_disc && by_theory) {
         warnings.push_back("the disc's thickness is " + briefly(ratio) +
                            " of its radius; above 0.2 it is no thin plate, and its stiffness and frequency "
                            "are overestimated" +
@@ -226,7 +242,7 @@ void add_record(const Scene& scene, std::vector<std::string>& warnings) {
 
 /// When the wave of the horn, or of the spheres that start with a velocity, can reach the end of the chain: none is faster than a long
 /// one in a chain pressed as far as the drive can. It goes a diameter in sqrt(m / k_t), and the cut-off is sqrt(4 k_t / m) / (2 pi).
-double soonest_wave_s(const Scene& scene) {
+double soonest_wave_of_chain_s(const Scene& scene) {
     const double of_a_sphere = 1 / (std::numbers::pi * fastest_contact_hz(scene));
     const auto after = [&](std::int64_t spheres) { return static_cast<double>(spheres) * of_a_sphere; };
     double soonest = std::numeric_limits<double>::infinity();
@@ -237,6 +253,17 @@ double soonest_wave_s(const Scene& scene) {
         soonest = std::min(soonest, scene.drive.start_s + after(scene.chain.spheres));
     }
     return std::isfinite(soonest) ? soonest : after(scene.chain.spheres);
+}
+
+/// The same of any chain of an array, without the delays of its drives; infinite where nothing presses or moves.
+double soonest_wave_s(const Scene& scene) {
+    double soonest = std::numeric_limits<double>::infinity();
+    for (std::size_t element = 0; element < chains_of(scene); ++element) {
+        Scene one = element_scene(scene, element);
+        one.drive.start_s = scene.drive.start_s;
+        soonest = std::min(soonest, soonest_wave_of_chain_s(one));
+    }
+    return soonest;
 }
 
 std::string deep_contact(double ratio, std::string_view when) {
@@ -279,7 +306,7 @@ ContactLoad contact_load(const Chain& chain, const Eigen::ArrayXd& overlaps) noe
 
 std::optional<std::string> late_wave_warning(const Scene& scene) {
     const double soonest_s = soonest_wave_s(scene);
-    if (scene.output.duration_s >= soonest_s) {
+    if (scene.output.duration_s >= soonest_s || !std::isfinite(soonest_s)) {
         return std::nullopt;
     }
     return "the run ends after " + briefly(scene.output.duration_s) +
@@ -294,6 +321,9 @@ std::vector<std::string> late_sound_warnings(const Scene& scene) {
     }
     const double c = std::get<Fluid>(*find_material(scene, scene.medium.material)).sound_speed_m_per_s;
     const double wave_s = soonest_wave_s(scene);
+    if (!std::isfinite(wave_s)) {
+        return warnings;
+    }
     const bool tone = scene.drive.kind == DriveKind::tone;  // a record may end with silence
     const double burst_s = tone ? scene.drive.start_s + burst_duration_s(scene.drive) : 0;
     const double end_s = scene.output.duration_s;
@@ -352,12 +382,14 @@ std::vector<std::string> validity_warnings(const Scene& scene, const Chain& chai
     add_record(scene, warnings);
     const ContactLoad rest = contact_load(chain, chain.static_overlap);
     if (rest.overlap_ratio > deepest_overlap) {
-        warnings.push_back(deep_contact(rest.overlap_ratio, " by the preload alone"));
+        warnings.push_back(deep_contact(rest.overlap_ratio, scene.chain.gravity_m_per_s2 == 0
+                                                                ? " by the preload alone"
+                                                                : " by preload and weight alone"));
     }
     const double highest = fastest_contact_hz(scene);
-    if (scene.chain.spheres > 1 && scene.drive.kind != DriveKind::none &&
-        scene.drive.frequency_hz > beyond_cut_off * highest) {
-        warnings.push_back("the drive's frequency is " + briefly(scene.drive.frequency_hz / highest) +
+    if (const double lowest = frequencies_of(scene.drive)[0];
+        scene.chain.spheres > 1 && lowest > beyond_cut_off * highest) {
+        warnings.push_back("the drive's frequency is " + briefly(lowest / highest) +
                            " times the highest that the chain passes on, " + briefly(highest) +
                            " Hz; next to nothing of it reaches the end");
     }

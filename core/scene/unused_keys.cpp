@@ -51,8 +51,18 @@ void warn_of_unused_numbers(const Scene& scene, std::vector<std::string>& warnin
     if (chain.preload_tolerance != 0 && !preloaded) {
         warnings.emplace_back("chain.preload_tolerance has no effect without chain.preload_n");
     }
-    if (scene.numerics.rest_tolerance != 0 && !preloaded) {
-        warnings.emplace_back("numerics.rest_tolerance has no effect without chain.preload_n");
+    if (scene.numerics.rest_tolerance != 0) {
+        const bool resonates =
+            scene.drive.kind != DriveKind::none && scene.drive.horn == HornModel::resonator;
+        const bool unbalanced =
+            scene.end.kind == EndKind::plate && scene.end.preload == PlatePreload::as_printed;
+        const char* const why = !preloaded   ? "without chain.preload_n"
+                                : resonates  ? "with drive.horn = \"resonator\", which rings"
+                                : unbalanced ? "with end.preload = \"as_printed\", which lets the disc swing"
+                                             : nullptr;
+        if (why != nullptr) {
+            warnings.push_back(std::string("numerics.rest_tolerance has no effect ") + why);
+        }
     }
 }
 

@@ -65,6 +65,19 @@ ReferencePilot reference_for(const Scene& scene, Resolution& result, const std::
     return reference;
 }
 
+/// How long the chain rests before the horn begins [s]; 0 where it moves from the start.
+double wait_s(const Scene& scene) {
+    const bool has_horn = scene.drive.kind == DriveKind::tone || scene.drive.kind == DriveKind::file;
+    const bool rests = scene.chain.impact_velocity_m_per_s == 0 && Chain(shortened(scene)).balanced();
+    return has_horn && rests ? scene.drive.start_s : 0;
+}
+
+/// The scene for pilots, which would watch a chain at rest else.
+Scene without_wait(Scene scene) {
+    scene.drive.start_s -= wait_s(scene);
+    return scene;
+}
+
 /// A given step asks for no accuracy, of a long chain pilots see the first spheres only, and an error that is large grows no more.
 bool worth_estimating_longer(const Resolution& resolved) noexcept {
     return resolved.estimate_ends_early() && !resolved.step_set_by_scene &&
@@ -88,7 +101,10 @@ void estimate(Resolution& result, ReferencePilot& reference, std::optional<Trial
     if (!trial) {
         return;
     }
-    ErrorEstimate found = reference.estimate(*trial, result.run_s);
+    const double waits_s = wait_s(result.scene);
+    ErrorEstimate found = reference.estimate(
+        *trial, result.run_s ? std::optional(std::max(0.0, *result.run_s - waits_s)) : std::nullopt);
+    found.over_s += waits_s;
     const Scene& used = result.scene;
     const Scene other = with_another_fit(used, asked_accuracy(result.asked));
     const double of_reference = reference.fit_amplification() * std::min(pole_error(other), pole_error(used));
@@ -174,8 +190,8 @@ double pole_error(const Scene& scene) {
 StepAdvice advise_step(const Scene& asked) {
     const Scene scene = with_poles(with_integrator(as_declared(asked)));
     Resolution counted;
-    ReferencePilot reference = reference_for(scene, counted, nullptr);
-    return advise(scene, reference).advice;
+    ReferencePilot reference = reference_for(without_wait(scene), counted, nullptr);
+    return advise(without_wait(scene), reference).advice;
 }
 
 Resolution resolve(const Scene& given, std::optional<double> run_s, const std::atomic<bool>* stop,
@@ -217,13 +233,14 @@ Resolution resolve(const Scene& given, std::optional<double> run_s, const std::a
     }
     result.integrator_reason = integrator_choice(asked).reason;
     result.step_set_by_scene = asked.numerics.step_s.has_value();
-    ReferencePilot reference = reference_for(result.scene, result, stop);
+    ReferencePilot reference = reference_for(without_wait(result.scene), result, stop);
     if (reference.needs_finer_fit() && !asked.numerics.poles) {
         reference.take_finer_fit();
         result.scene = with_another_fit(std::move(result.scene), asked_accuracy(asked.numerics));
     }
-    AdvisedStep advised = advise(result.scene, reference);
+    AdvisedStep advised = advise(without_wait(result.scene), reference);
     result.advice = advised.advice;
+    result.advice.pilot_duration_s += wait_s(result.scene);
     result.pilots += advised.advice.pilots;
     Numerics& numerics = result.scene.numerics;
     if (numerics.rest_tolerance > 0 && !is_series(*numerics.integrator)) {

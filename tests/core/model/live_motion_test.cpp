@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "core/model/drive.hpp"
+#include "core/model/sampled_motion.hpp"
 #include "tests/support/records.hpp"
 
 namespace hertzline::test {
@@ -64,6 +65,22 @@ TEST(LiveMotion, IsThatOfTheRecordToTheLastBitHoweverItIsCut) {
             EXPECT_FALSE(live->overtaken());
         }
     }
+}
+
+TEST(LiveMotion, KeepsADriftAsItsRecordDoes) {
+    Drive drive = sampled(SmoothBurst::velocity, 10e6, record_s, DriveQuantity::velocity);
+    for (double& sample : drive.samples) {
+        sample += 14e-3;
+    }
+    drive = rounded(drive);
+    EXPECT_TRUE(SampledMotion(drive).facts().drift_removed);
+    drive.kind = DriveKind::live;
+    const SampledMotion record(drive);
+    EXPECT_FALSE(record.facts().drift_removed);
+    const auto live = live_motion(drive, 1000);
+    const double time_s = record_s / 2;
+    EXPECT_EQ(record.at(time_s).terms, live->at(time_s).terms);
+    EXPECT_GT(live->at(time_s).at(time_s).x, 0.9 * 14e-3 * time_s);
 }
 
 TEST(LiveMotion, TellsThatItWasAskedForWhatHasNotCome) {

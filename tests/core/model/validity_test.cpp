@@ -52,6 +52,10 @@ TEST(Validity, LengthsInMillimetresAreNoticed) {
                     s.end.thicknesses_m = {0.2e-3, 1};
                 }),
                 testing::Contains("end.thicknesses_m[2] is 1 m; were millimetres meant?"));
+    EXPECT_THAT(warnings_after([](Scene& s) {
+                    s.chain.diameters_m = {1e-3, 1.5};
+                }),
+                testing::Contains("chain.diameters_m[2] is 1.5 m; were millimetres meant?"));
 }
 
 TEST(Validity, MaterialsInOtherUnitsAreNoticed) {
@@ -78,6 +82,11 @@ TEST(Validity, AThickDiscIsNoThinPlateAndAWallNeedNotBe) {
     EXPECT_THAT(warnings_after([](Scene& s) { s.end.thickness_m = 1e-3; }), IsEmpty());  // h/a = 0.2
     EXPECT_THAT(warnings_after([](Scene& s) { s.end.thickness_m = 1.8e-3; }),
                 ElementsAre(HasSubstr("the disc's thickness is 0.36 of its radius")));
+    EXPECT_THAT(warnings_after([](Scene& s) {
+                    s.end.thickness_m = 1.8e-3;
+                    s.end.stiffness_n_per_m = 1e7;  // measured
+                }),
+                IsEmpty());
     EXPECT_THAT(warnings_after([](Scene& s) {
                     s.end.kind = EndKind::wall;
                     s.end.thickness_m = 0.5;
@@ -107,6 +116,11 @@ TEST(Validity, ADriveThatTheChainDoesNotPassOnIsNoticed) {
     EXPECT_THAT(warnings_after([](Scene& s) { s.drive.frequency_hz = 3e6; }),
                 ElementsAre(HasSubstr("times the highest that the chain passes on")));
     EXPECT_THAT(warnings_after([](Scene& s) { s.drive.frequency_hz = 300e3; }), IsEmpty());
+    EXPECT_THAT(warnings_after([](Scene& s) {
+                    s.drive.frequency_hz = 3e6;
+                    s.drive.sweep_to_hz = 50e3;  // through all that the chain carries
+                }),
+                IsEmpty());
 }
 
 TEST(Validity, ModesWithShortWavesAreNoticed) {
@@ -148,6 +162,13 @@ TEST(Validity, AFluidThatIsNoMassIsNoticed) {
                     s.drive.frequency_hz = 20e3;
                 }),
                 IsEmpty());
+    EXPECT_THAT(warnings_after([](Scene& s) {
+                    s.end.model = PlateModel::modal;
+                    s.medium.load = FluidLoad::added_mass;
+                    s.drive.frequency_hz = 10e3;
+                    s.drive.sweep_to_hz = 73e3;
+                }),
+                ElementsAre(HasSubstr("k a = 1.5")));
 }
 
 TEST(Validity, ADiscThatSagsIsNoticed) {
@@ -167,6 +188,14 @@ TEST(Validity, ADeepContactIsNoticedAtRestAndInMotion) {
                     s.chain.preload_n = 1000;
                 }),
                 ElementsAre(HasSubstr("deep by the preload alone")));
+    EXPECT_THAT(warnings_after([](Scene& s) {
+                    s.end.kind = EndKind::wall;
+                    s.chain.preload_n = 0;
+                    s.chain.material = "silicone_rubber";
+                    s.chain.diameter_m = 10e-3;
+                    s.chain.gravity_m_per_s2 = 1e4;
+                }),
+                Contains(HasSubstr("deep by preload and weight alone")));
     EXPECT_THAT(validity_warnings(ContactLoad{.overlap_ratio = 0.051}),
                 ElementsAre(HasSubstr("deep by the motion")));
     EXPECT_THAT(validity_warnings(ContactLoad{.overlap_ratio = 0.049}), IsEmpty());
@@ -200,6 +229,21 @@ TEST(Validity, ARunThatEndsBeforeTheWaveArrivesIsNoticed) {
     scene.output.duration_s = 30e-6;
     EXPECT_TRUE(late_wave_warning(scene));
     scene.chain.impact_spheres = 99;
+    EXPECT_FALSE(late_wave_warning(scene));
+    Scene still;
+    still.chain.preload_n = 0;
+    still.drive.amplitude_m = 0;
+    EXPECT_FALSE(late_wave_warning(still)) << "nothing comes, and never";
+}
+
+TEST(Validity, TheSoonestWaveOfAnArrayIsThatOfItsFastestChain) {
+    Scene scene = test::shipped("wet-vitreous-carbon");
+    scene.chain.spheres = 100;
+    scene.array.x_m = {0, 30e-3};
+    scene.array.y_m = {0, 0};
+    scene.output.duration_s = 70e-6;
+    EXPECT_TRUE(late_wave_warning(scene));
+    scene.array.diameters_m = {1e-3, 0.3e-3};
     EXPECT_FALSE(late_wave_warning(scene));
 }
 

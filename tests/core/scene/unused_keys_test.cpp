@@ -20,6 +20,20 @@ std::vector<std::string> warnings_after(Change change) {
     return unused_key_warnings(scene);
 }
 
+TEST(UnusedKeys, AChainThatCannotSleepIsNoticed) {
+    EXPECT_THAT(warnings_after([](Scene& s) { s.numerics.rest_tolerance = 1e-3; }), IsEmpty());
+    EXPECT_THAT(warnings_after([](Scene& s) {
+                    s.numerics.rest_tolerance = 1e-3;
+                    s.drive.horn = HornModel::resonator;
+                }),
+                ElementsAre(HasSubstr("numerics.rest_tolerance has no effect with drive.horn")));
+    EXPECT_THAT(warnings_after([](Scene& s) {
+                    s.numerics.rest_tolerance = 1e-3;
+                    s.end.preload = PlatePreload::as_printed;
+                }),
+                ElementsAre(HasSubstr("numerics.rest_tolerance has no effect with end.preload")));
+}
+
 TEST(UnusedKeys, ThoseThatNothingAsksForAreNoticed) {
     EXPECT_THAT(warnings_after([](Scene& s) {
                     s.end.theory = PlateTheory::thin;

@@ -220,11 +220,46 @@ TEST(Advice, DependsOnNothingThatDoesNotChangeTheMotion) {
     Scene scene;
     scene.output.duration_s = 3600;
     scene.output.frame_samples = 1;
-    scene.medium.material = "water";
+    scene.medium.material = "air";  // which a lumped plate does not feel
     const StepAdvice other = advise_step(scene);
     EXPECT_EQ(other.recommended_step_s, advice.recommended_step_s);
     EXPECT_EQ(other.estimated_error, advice.estimated_error);
     EXPECT_EQ(other.largest_stable_step_s, advice.largest_stable_step_s);
+}
+
+TEST(Advice, IsTheSameHoweverLateTheBurstBegins) {
+    Scene scene;
+    scene.chain.spheres = 600;  // which pilots can afford to watch for half a millisecond
+    const StepAdvice at_once = advise_step(scene);
+    scene.drive.start_s = 2e-3;
+    const StepAdvice late = advise_step(scene);
+    EXPECT_EQ(late.recommended_step_s, at_once.recommended_step_s);
+    EXPECT_EQ(late.estimated_error, at_once.estimated_error);
+}
+
+TEST(Resolve, TheEstimateOfALateBurstIsOfItsMotion) {
+    for (const Integrator integrator : {Integrator::leapfrog, Integrator::taylor8}) {
+        Scene scene;
+        scene.numerics.integrator = integrator;
+        const Resolution at_once = resolve(scene);
+        scene.drive.start_s = 10e-3;
+        scene.output.duration_s += scene.drive.start_s;
+        const Resolution late = resolve(scene);
+        EXPECT_EQ(late.scene.numerics.step_s, at_once.scene.numerics.step_s);
+        EXPECT_NEAR(late.estimate->over_s, at_once.estimate->over_s + 10e-3, 1e-6);
+        EXPECT_NEAR(late.estimate->error, at_once.estimate->error, 0.1 * at_once.estimate->error);
+    }
+}
+
+TEST(Resolve, ADeclaredToneOfALiveDriveMovesTheTipAsItSays) {
+    Scene scene;
+    scene.drive.kind = DriveKind::live;
+    const Resolution rigid = resolve(scene, std::nullopt);
+    scene.drive.horn = HornModel::resonator;
+    scene.drive.horn_quality = 1000;  // a tone that drives it would reach a thirtieth of its amplitude
+    const Resolution resonant = resolve(scene, std::nullopt);
+    EXPECT_EQ(resonant.scene.numerics.step_s, rigid.scene.numerics.step_s);
+    EXPECT_EQ(resonant.scene.drive.horn, HornModel::resonator);
 }
 
 TEST(Advice, KeepsItsWordForEveryIntegratorAndOtherScenes) {
