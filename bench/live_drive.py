@@ -49,7 +49,7 @@ with Stream(program, "paper-stream", "--drive", "tcp://127.0.0.1:*", "--duration
             break
     end = json.loads(stream.summary())
 # the frame from sample k on needs the samples before k
-needs = np.minimum(np.arange(frame) * FRAME * 1.0 // CUT, cuts - 1).astype(int)
+needs = np.clip((np.arange(frame) * FRAME - 1) // CUT, 0, cuts - 1)
 late_us = 1e6 * (came_at[:frame] - sent_at[needs])[np.arange(frame) * FRAME >= CUT]
 print(f"fixed latency {latency} samples = {1e6 * latency / rate_hz:.1f} us; of them the frame {1e6 * FRAME / rate_hz:.1f} us")
 print(f"frames after the last sample that they need: median {np.median(late_us):.0f} us, 90 % {np.percentile(late_us, 90):.0f} us, "

@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 """Compares two builds of hertzline bit by bit: same_bits.py OLD NEW [--quick]
 
-Runs both programs on each shipped scene with each integrator, and on sweeps, a search, recordings of every format and frames of a
-stream, compares the files, and prints a line for each. Exit status 1 when one differs. --quick: the unchanged scenes only.
+Runs both programs on each shipped scene with each integrator, and on sweeps, a search, recordings of every format and of a stream,
+compares the files, and prints a line for each. Exit status 1 when one differs. --quick: the unchanged scenes only.
 The provenance of recordings differs (commit, date), so only their samples are compared, as the Python module beside NEW reads them.
 """
 import argparse

@@ -23,9 +23,10 @@ for target in "$@"; do
     log=build/fuzz/$target.log
     mkdir -p "$learnt" "$findings"
     if [ "$seconds" = keep ]; then
-        mkdir -p "$learnt.new"
+        rm -rf "$learnt.new" && mkdir -p "$learnt.new"
         # by edges, not by their counts: a hundred inputs instead of thousands
-        build/fuzz/fuzz_"$target" -set_cover_merge=1 -use_counters=0 $limits "$learnt.new" "$kept" "$learnt" >"$log" 2>&1
+        build/fuzz/fuzz_"$target" -set_cover_merge=1 -use_counters=0 $limits "$learnt.new" "$kept" "$learnt" >"$log" 2>&1 ||
+            { cat "$log" >&2; exit 1; }
         rm -rf "$kept" && mv "$learnt.new" "$kept"
         echo "$target: $(ls "$kept" | wc -l) inputs kept"
         continue

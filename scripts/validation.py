@@ -256,6 +256,8 @@ def short_chains(program):
                  "end": {"kind": "wall", "material": "steel"}}
         return program.summary(scene)
     shares = {spheres: of(spheres, 0.01)["thd_r"] for spheres in counts}
+    if (max(shares, key=shares.get), min(shares, key=shares.get)) != (3, 10):
+        raise SystemExit(f"validation.py: the largest and the smallest share are not those of 3 and 10 spheres: {shares}")
     return [row("2 to 10 spheres of 1 mm at 73 kHz, 0.01 N: share of the harmonics at the wall, most (3 spheres)", source, None, shares[3], None, 2),
             row("... least (10 spheres): impulses come with some numbers of spheres only", source, None, shares[10], None, 2),
             row("... of 3 spheres at 1 N: and with some preloads only", source, None, of(3, 1.0)["thd_r"], None, 2)]

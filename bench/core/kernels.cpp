@@ -1,4 +1,4 @@
-// Measures one step of each integrator for chains of many lengths, with all spheres moving. "items" are sphere-steps.
+// Measures one step of leapfrog and of chin4a for chains of many lengths, with all spheres moving. "items" are sphere-steps.
 
 #include <benchmark/benchmark.h>
 

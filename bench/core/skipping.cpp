@@ -6,6 +6,7 @@
 #include <chrono>
 #include <cstdio>
 #include <functional>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -81,8 +82,7 @@ public:
         const auto begin = Clock::now();
         while (simulation_.next_sample() < samples) {
             if (simulation_.advance(block_, 1000) != Status::running) {
-                std::fprintf(stderr, "bench_skipping: %s\n", simulation_.failure().c_str());
-                return 0;
+                throw std::runtime_error("bench_skipping: " + simulation_.failure());
             }
         }
         return std::chrono::duration<double>(Clock::now() - begin).count();

@@ -15,6 +15,7 @@
 #include <chrono>
 #include <cstdint>
 #include <cstdio>
+#include <latch>
 #include <memory>
 #include <stdexcept>
 #include <thread>
@@ -155,20 +156,25 @@ double time_blocks(std::uint64_t blocks) {
 double time_line() {
     constexpr int turns = 2000;
     std::atomic<int> line{0};
-    const auto take_turns = [&line](unsigned core, int mine) {
+    std::latch ready(2);
+    std::chrono::steady_clock::time_point begin;
+    std::chrono::steady_clock::time_point end;
+    const auto take_turns = [&](unsigned core, int mine) {
         stay_on_core(core);
+        ready.arrive_and_wait();
+        (mine == 0 ? begin : end) = std::chrono::steady_clock::now();
         for (int turn = mine; turn < 2 * turns; turn += 2) {
             while (line.load(std::memory_order_acquire) != turn) {
             }
             line.store(turn + 1, std::memory_order_release);
         }
+        end = mine == 1 ? std::chrono::steady_clock::now() : end;
     };
-    const auto begin = std::chrono::steady_clock::now();
     std::thread one(take_turns, 0, 0);
     std::thread other(take_turns, 1, 1);
     one.join();
     other.join();
-    const std::chrono::duration<double, std::nano> time = std::chrono::steady_clock::now() - begin;
+    const std::chrono::duration<double, std::nano> time = end - begin;
     return time.count() / turns;
 }
 

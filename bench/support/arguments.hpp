@@ -2,6 +2,7 @@
 // The command line of a benchmark: [--json FILE] [WORD...]
 
 #include <fstream>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -23,7 +24,10 @@ struct Arguments {
     /// Writes the results to the file of --json, if any.
     void save(const Json& results) const {
         if (!json_file.empty()) {
-            std::ofstream(json_file) << results.dump(2) << '\n';
+            std::ofstream file(json_file);
+            if (!(file << results.dump(2) << '\n' << std::flush)) {
+                throw std::runtime_error("cannot write " + json_file);
+            }
         }
     }
 };

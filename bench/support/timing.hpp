@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <stdexcept>
 #include <vector>
 
 #include "hertzline/simulation.hpp"
@@ -29,7 +30,7 @@ inline Timing time_run(const Scene& resolved, std::int64_t samples, int repetiti
             const std::int64_t left = samples - simulation.next_sample();
             if (simulation.advance(part, static_cast<std::size_t>(std::min<std::int64_t>(block, left))) !=
                 Status::running) {
-                return {};
+                throw std::runtime_error(simulation.failure());
             }
         }
         if (run > 0) {

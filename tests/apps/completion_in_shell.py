@@ -17,7 +17,7 @@ import tempfile
 shell, program, *prefix = sys.argv[1:]
 BASH_COMPLETION = "/usr/share/bash-completion/bash_completion"
 if not shutil.which(shell) or (shell == "bash" and prefix and not os.path.exists(BASH_COMPLETION)):
-    print(shell, "is not installed")
+    print(f"skipped: {shell} is not installed")
     sys.exit(77)
 
 # typed before the tab, and the last word then; None: as typed

@@ -1,5 +1,6 @@
 // The program's help and version.
 
+#include <regex>
 #include <sstream>
 
 #include <gmock/gmock.h>
@@ -14,25 +15,32 @@ namespace {
 using testing::HasSubstr;
 using testing::MatchesRegex;
 
+/// The subcommands that the program's help lists.
+std::vector<std::string> commands_of(const std::string& help) {
+    static const std::regex row("\n  ([a-z]+) ");
+    const std::string list = help.substr(help.find("Subcommands:"));
+    std::vector<std::string> commands;
+    for (std::sregex_iterator found(list.begin(), list.end(), row), end; found != end; ++found) {
+        commands.push_back((*found)[1]);
+    }
+    EXPECT_GE(commands.size(), 18U);
+    return commands;
+}
+
 TEST(Help, HasExamplesForTheProgramAndEverySubcommand) {
     const Outcome program = hertzline({"--help"});
     EXPECT_EQ(program.status, 0);
-    for (const char* command : {"run", "sweep", "optimise", "stream", "listen", "set", "get", "scope", "plot",
-                                "scenes", "check", "keys", "man", "completion"}) {
+    for (const std::string& command : commands_of(program.out)) {
         const Outcome help = hertzline({command, "--help"});
         EXPECT_EQ(help.status, 0);
-        EXPECT_THAT(help.out, HasSubstr("Examples:\n  hertzline " + std::string(command)));
-        EXPECT_THAT(program.out, HasSubstr(command));
+        EXPECT_THAT(help.out, HasSubstr("Examples:\n  hertzline " + command));
     }
 }
 
 TEST(Help, FitsEightyColumns) {
     const Outcome program = hertzline({"--help"});
     std::vector<Words> helps{{"--help"}};
-    for (const char* command :
-         {"run", "sweep", "optimise", "stream", "replay", "listen", "set", "get", "scope", "plot", "scenes",
-          "materials", "check", "keys", "man", "completion"}) {
-        EXPECT_THAT(program.out, HasSubstr(command));
+    for (const std::string& command : commands_of(program.out)) {
         helps.push_back({command, "--help"});
     }
     for (const Words& words : helps) {

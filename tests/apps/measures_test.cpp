@@ -19,7 +19,7 @@ namespace {
 
 using nlohmann::json;
 
-/// Returns the names in backticks in docs/measures.md.
+/// Returns the text of docs/measures.md, which has names in backticks.
 std::string explained() {
     return contents(std::filesystem::path(HERTZLINE_SOURCE_DIR) / "docs/measures.md");
 }
@@ -58,6 +58,21 @@ TEST(Measures, OfStreamListenAndReplayAreExplained) {
     expect_explained(hertzline({"listen", "--json", "--connect", stream.endpoint(), "-o", recording}));
     expect_explained(stream.wait());
     expect_explained(hertzline({"replay", recording, "--json", "--bind", "ipc://" + folder.file("r")}));
+}
+
+TEST(Measures, OfStudiesAndArraysAreExplained) {
+    const TemporaryFolder folder;
+    const Words quick{"wet-vitreous-carbon",     "--set", "drive.cycles=1", "--set",
+                      "output.duration_s=60e-6", "--json"};
+    expect_explained(
+        hertzline(with(with({"field"}, quick), {"--plane", "x=0,4mm,z=20mm", "-o", folder.file("f.csv")})));
+    expect_explained(hertzline(
+        with(with({"run"}, quick), {"--set", "array.x_m=[0,30mm]", "--set", "array.y_m=[0,0]", "--set",
+                                    "array.coupling=none", "--set", "output.points_m=[[0,0,20mm]]"})));
+    expect_explained(hertzline(
+        {"sweep", "paper-wall", "--vary", "chain.spheres=3,4", "--json", "-o", folder.file("s.csv")}));
+    expect_explained(hertzline({"optimise", "paper-wall", "--vary", "chain.spheres=3..6", "--maximise",
+                                "thd_r", "--evaluations", "4", "--json", "-o", folder.file("o.csv")}));
 }
 
 TEST(Measures, OfCheckAreExplained) {

@@ -8,6 +8,7 @@
 
 #include "recordings/recording_formats.hpp"
 #include "tests/apps/program.hpp"
+#include "tests/support/environment.hpp"
 #include "tests/support/recordings.hpp"
 
 namespace hertzline::test {
@@ -24,18 +25,6 @@ using testing::Not;
 using testing::StartsWith;
 
 const std::string png_begin = "\x89PNG\r\n\x1a\n";
-
-/// A variable of the environment, for programs started during its lifetime.
-class Variable {
-public:
-    Variable(const char* name, const std::string& value) : name_(name) { setenv(name, value.c_str(), 1); }
-    ~Variable() { unsetenv(name_); }
-    Variable(const Variable&) = delete;
-    Variable& operator=(const Variable&) = delete;
-
-private:
-    const char* name_;
-};
 
 /// Writes a recording of v_out: `level` everywhere, and a single sample of another one.
 void write_impulse(const std::string& file, std::int64_t samples, std::int64_t place, double impulse,
@@ -93,8 +82,7 @@ TEST(Plot, SettingsOfTheUserTakeNoPictureAway) {
           "interactive: True", "svg.fonttype: none"}) {
         write_text("matplotlibrc", settings);
         EXPECT_EQ(draw(), picture) << settings;
-        const Variable elsewhere("MATPLOTLIBRC", folder.file("matplotlibrc"));
-        const Variable backend("MPLBACKEND", "QtAgg");
+        const Environment elsewhere({{"MATPLOTLIBRC", folder.file("matplotlibrc")}, {"MPLBACKEND", "QtAgg"}});
         EXPECT_EQ(draw(), picture) << settings;
     }
     fs::current_path(before);
@@ -166,7 +154,7 @@ TEST(Plot, KeepsThePictureWherePythonDrawsNothing) {
     const std::string bin = fs::path(folder.file("x")).parent_path();
     write_text(folder.file("python3"), "#!/bin/sh\nexit 0\n");
     fs::permissions(folder.file("python3"), fs::perms::owner_all);
-    const Variable path("PATH", bin);
+    const Environment path({{"PATH", bin}});
     const Outcome outcome = hertzline({"plot", folder.file("a.npy"), "-o", folder.file("a.png")});
     EXPECT_EQ(outcome.status, 1);
     EXPECT_THAT(outcome.err, HasSubstr("python3 drew nothing"));
@@ -353,7 +341,7 @@ TEST(Plot, DrawsColumnsOfAnyName) {
 TEST(Plot, NamesTheFolderForTemporaryFilesThatIsNotThere) {
     const TemporaryFolder folder;
     write_impulse(folder.file("a.npy"), 500, 10, 1);
-    const std::string command = fmt::format("TMPDIR=/none {} plot {} -o {} 2> {}", HERTZLINE_PROGRAM,
+    const std::string command = fmt::format("TMPDIR=/none '{}' plot '{}' -o '{}' 2> '{}'", HERTZLINE_PROGRAM,
                                             folder.file("a.npy"), folder.file("a.png"), folder.file("err"));
     EXPECT_EQ(WEXITSTATUS(std::system(command.c_str())), 1);
     EXPECT_EQ(contents(folder.file("err")),
@@ -438,7 +426,7 @@ TEST(Plot, SaysThatMatplotlibIsMissing) {
     write_text(folder.file("matplotlib.py"), "raise ImportError(\"No module named 'matplotlib'\")\n");
     hertzline({"run", "paper-wall", "-o", folder.file("a.npy")});
     const auto before = files_in(fs::path(folder.file("x")).parent_path());
-    const Variable without("PYTHONPATH", fs::path(folder.file("x")).parent_path());
+    const Environment without({{"PYTHONPATH", fs::path(folder.file("x")).parent_path()}});
     const Outcome plot = hertzline({"plot", folder.file("a.npy"), "-o", folder.file("a.png")});
     const Outcome run = hertzline({"run", "paper-wall", "--plot", folder.file("a.png"), "--json"});
     for (const Outcome& outcome : {plot, run}) {

@@ -12,6 +12,7 @@
 #include "tests/apps/program.hpp"
 #include "tests/apps/recorded_columns.hpp"
 #include "tests/support/recordings.hpp"
+#include "tests/support/sockets.hpp"
 
 namespace hertzline::test {
 
@@ -207,9 +208,7 @@ TEST(RecordingSet, TheStreamGoesOnWhenTheFileVanishes) {
     const TemporaryFolder folder;
     Program stream(
         {"stream", "paper-stream", "--json", "--record", folder.file("a.sigmf-meta"), "--bind", any_port});
-    while (!fs::exists(folder.file("a.sigmf-meta"))) {
-        std::this_thread::sleep_for(std::chrono::milliseconds(1));
-    }
+    ASSERT_TRUE(eventually([&] { return fs::exists(folder.file("a.sigmf-meta")); }));
     fs::remove(folder.file("a.sigmf-data"));
     stream.messages_with("the stream continues");
     Subscriber subscriber(stream.endpoint());
@@ -247,9 +246,7 @@ TEST(RecordingSet, AnInterruptedRunLeavesNoneOfThem) {
     const TemporaryFolder folder;
     Program run({"run", "paper-stream", "-o", folder.file("a.sigmf-meta"), "-o", folder.file("a.csv"),
                  "--set", "output.duration_s=1.2"});
-    while (fs::is_empty(fs::path(folder.file("x")).parent_path())) {
-        std::this_thread::sleep_for(std::chrono::milliseconds(1));
-    }
+    ASSERT_TRUE(eventually([&] { return !fs::is_empty(fs::path(folder.file("x")).parent_path()); }));
     run.send(SIGINT);
     EXPECT_EQ(run.wait().status, 1);
     EXPECT_TRUE(fs::is_empty(fs::path(folder.file("x")).parent_path()));
@@ -268,9 +265,7 @@ TEST(RecordingSet, AnInterruptedRunLeavesAnOldRecordingAsItWas) {
                                        return !gone && size > 3;
                                    });
     };
-    while (!has_written()) {
-        std::this_thread::sleep_for(std::chrono::milliseconds(1));
-    }
+    ASSERT_TRUE(eventually(has_written));
     run.send(SIGINT);
     EXPECT_EQ(run.wait().status, 1);
     EXPECT_EQ(contents(folder.file("a.sigmf-meta")) + contents(folder.file("a.sigmf-data")), "oldold");

@@ -8,6 +8,7 @@
 #include <unistd.h>
 
 #include "tests/apps/program.hpp"
+#include "tests/support/sockets.hpp"
 
 namespace hertzline::test {
 
@@ -290,9 +291,7 @@ TEST(Run, InterruptedRunLeavesNoFile) {
     const TemporaryFolder folder;
     Program program({"run", "paper-stream", "-o", folder.file("long.csv"), "--set", "output.duration_s=1.2"});
     const std::filesystem::path directory = std::filesystem::path(folder.file("long.csv")).parent_path();
-    while (files_in(directory) == 0) {  // until it has begun to write
-        usleep(1000);
-    }
+    ASSERT_TRUE(eventually([&] { return files_in(directory) > 0; })) << "it has not begun to write";
     program.send(SIGINT);
     const Outcome outcome = program.wait();
     EXPECT_EQ(outcome.status, 1);

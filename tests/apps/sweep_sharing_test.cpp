@@ -13,6 +13,7 @@
 
 #include "core/simd/target_choice.hpp"
 #include "tests/apps/program.hpp"
+#include "tests/support/environment.hpp"
 #include "tests/support/recordings.hpp"
 
 namespace hertzline::test {
@@ -95,28 +96,6 @@ TEST_F(SharedSweep, ARunGivesTheNumbersOfTheNamedInstructionSet) {
     EXPECT_EQ(samples("c.csv", {}) == narrow, kernels::kernel_targets().size() == 1);
 }
 
-/// Variables of the environment, for programs started during their lifetime.
-class Environment {
-public:
-    using Values = std::vector<std::pair<std::string, std::string>>;
-
-    explicit Environment(Values values) : values_(std::move(values)) {
-        for (const auto& [name, value] : values_) {
-            setenv(name.c_str(), value.c_str(), 1);
-        }
-    }
-    ~Environment() {
-        for (const auto& [name, value] : values_) {
-            unsetenv(name.c_str());
-        }
-    }
-    Environment(const Environment&) = delete;
-    Environment& operator=(const Environment&) = delete;
-
-private:
-    Values values_;
-};
-
 /// A task of a Slurm array, as Slurm describes it.
 class SlurmTask : public Environment {
 public:
@@ -178,7 +157,7 @@ TEST_F(SharedSweep, RanksOfMpirunAreItsParts) {
                                    {"OMPI_MCA_rmaps_base_oversubscribe", "1"},
                                    {"OMPI_MCA_plm_rsh_agent", "/bin/false"}});  // this machine alone
     const std::string whole = table("whole.csv", {});
-    std::string line = fmt::format("mpirun -n 4 {}", HERTZLINE_PROGRAM);
+    std::string line = fmt::format("mpirun -n 4 '{}'", HERTZLINE_PROGRAM);
     for (const std::string& word : words) {
         line += fmt::format(" '{}'", word);
     }

@@ -279,11 +279,11 @@ TEST(Sweep, WrongUseIsToldBeforeAnythingRuns) {
 TEST(Sweep, WhatCannotFitIsRefusedBeforeItBegins) {
     const TemporaryFolder folder;
     const auto sweep = [&](const std::string& duration_s, const std::string& jobs) {
-        return hertzline({"sweep", "paper-wall", "--vary", "chain.preload_n=0.1..1:10000", "--vary",
+        return hertzline({"sweep", "paper-wall", "--vary", "chain.preload_n=0.1..1:100000", "--vary",
                           "chain.spheres=2..5:4", "--waveforms", "v_last", "--jobs", jobs, "--set",
                           "output.duration_s=" + duration_s, "-o", folder.file("a.h5")});
     };
-    const Outcome disk = sweep("0.8", "1");
+    const Outcome disk = sweep("1.2", "1");
     EXPECT_EQ(disk.status, 1);
     EXPECT_THAT(disk.err, AllOf(HasSubstr("TiB of disk"), HasSubstr("is free")));
     const Outcome memory = sweep("26", "1024");

@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""Drives running streams with samples: live_drive.py HERTZLINE [OTHER_SENDER...]"""
+"""Drives running streams with samples: live_drive.py HERTZLINE"""
 import json, signal, subprocess, sys, tempfile, time, unittest
 import numpy as np
 import zmq
@@ -252,7 +252,7 @@ class LiveDrive(unittest.TestCase):
             heard, _ = driven.to_the_end()
         self.assertTrue(np.array_equal(heard["v_out"], self.heard["v_out"]))
 
-    def test_ends_at_once_without_samples(self):
+    def test_ends_without_samples(self):
         with Driven() as driven:
             time.sleep(0.3)
             driven.stream.process.send_signal(signal.SIGINT)

@@ -1,4 +1,5 @@
 """Disturbances by files that take samples: pipes without a reader, and long work when the user wants to end."""
+import atexit
 import json
 import os
 import pathlib
@@ -58,6 +59,7 @@ def _popen(stand, *words, **how):
     """Starts the program. Returns when it catches signals."""
     process = subprocess.Popen([stand.program, *map(str, words)], stdin=subprocess.DEVNULL, **{
         "stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL, **how})
+    atexit.register(process.kill)  # where a check fails
     _wait_for_its_handler(process)
     return process
 

@@ -1,4 +1,5 @@
 """Disturbances of the program by terminals: they differ, pause, and go away."""
+import atexit
 import contextlib
 import fcntl
 import json
@@ -50,6 +51,7 @@ def _with_terminal(stand, *words, controls=True):
     process = subprocess.Popen([stand.program, *map(str, words)], stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, text=True,
                                stderr=terminal, env=TERMINAL, start_new_session=True, preexec_fn=take_control)
     os.close(terminal)
+    atexit.register(process.kill)  # where a check fails
     return process, ours
 
 

@@ -11,7 +11,7 @@ function run(command)
   assert(status, 0, text);
 end
 
-run([program " field " scene " --plane x=1mm..5mm:3,y=2mm,3mm,z=4mm --waveforms -o " file]);
+run(["'" program "' field " scene " --plane x=1mm..5mm:3,y=2mm,3mm,z=4mm --waveforms -o " file]);
 source.p_mask = zeros(8, 7, 6);
 source.p_mask(3:5, 4:5, 2) = 1;
 [i, j, k] = ind2sub(size(source.p_mask), find(source.p_mask));
@@ -20,7 +20,7 @@ source.p = h.p_points';   % [point][time step]
 assert(size(source.p), [numel(i), 601]);
 places = sprintf("[%gmm,%gmm,4mm],", [1 + 2 * (i - 3), 2 + (j - 4)]');
 csv = fullfile(folder, "run.csv");
-run([program " run " scene " --set 'output.points_m=[" places(1:end - 1) "]' --columns p_points -o " csv]);
+run(["'" program "' run " scene " --set 'output.points_m=[" places(1:end - 1) "]' --columns p_points -o " csv]);
 heard = dlmread(csv, ",", 1, 1)';
 assert(size(heard), size(source.p));
 assert(max(abs(heard(:))) > 1000);

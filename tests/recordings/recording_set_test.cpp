@@ -178,7 +178,7 @@ TEST_F(SlowRecording, IsWaitedForAsLongAsItTakesAnythingWithinASecond) {
     EXPECT_EQ(recordings->status()[0].samples, 3'000'000);
 }
 
-TEST_F(SlowRecording, IsNotWaitedForLongerThanASecondWhenItTakesNothing) {
+TEST_F(SlowRecording, IsWaitedForOnlyForATimeWhenItTakesNothing) {
     auto recordings = open(RecordingPatience::of_a_second(stop));
     const auto start = steady_clock::now();
     write(*recordings, 0, 3'000'000);
@@ -190,7 +190,7 @@ TEST_F(SlowRecording, IsNotWaitedForLongerThanASecondWhenItTakesNothing) {
     std::this_thread::sleep_for(std::chrono::milliseconds(100));
 }
 
-TEST_F(SlowRecording, EndsWithinASecondThoughItIsStuck) {
+TEST_F(SlowRecording, EndsThoughItIsStuck) {
     auto recordings = open(RecordingPatience::endless(stop));
     write(*recordings, 0, 100'000);                                        // more than a pipe holds
     std::this_thread::sleep_for(std::chrono::seconds(sanitized ? 3 : 1));  // the other one has written all
@@ -208,7 +208,7 @@ TEST_F(SlowRecording, EndsWithinASecondThoughItIsStuck) {
     std::this_thread::sleep_for(std::chrono::milliseconds(100));
 }
 
-TEST_F(SlowRecording, IsDiscardedWithinASecondThoughItIsStuck) {
+TEST_F(SlowRecording, IsDiscardedThoughItIsStuck) {
     auto recordings = open(RecordingPatience::endless(stop));
     write(*recordings, 0, 100'000);
     std::this_thread::sleep_for(std::chrono::milliseconds(300));  // now it is

@@ -195,7 +195,7 @@ TEST(SceneHash, DependsOnTheTheoryOfAModalPlateAlone) {
     EXPECT_NE(scene_hash(thin), scene_hash(thick));
 }
 
-TEST(SceneHash, ChangesWithEveryValue) {
+TEST(SceneHash, ChangesWithTheLastDigit) {
     Scene scene;
     scene.drive.taper = std::nextafter(0.2, 1);
     EXPECT_NE(scene_hash(scene), scene_hash(Scene{}));

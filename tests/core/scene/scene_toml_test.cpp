@@ -21,7 +21,7 @@ TEST(SceneToml, AnEmptyTextIsThePapersScene) {
     EXPECT_EQ(scene_of("# nothing\r\n[drive]\n\n[materials]\n"), Scene{});
 }
 
-TEST(SceneToml, EveryKeyReachesItsMember) {
+TEST(SceneToml, KeysReachTheirMembers) {
     const Scene scene = scene_of(R"(
 [drive]
 kind = "none"

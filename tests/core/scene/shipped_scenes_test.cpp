@@ -56,7 +56,7 @@ TEST(ShippedScenes, AreTheFilesOfTheScenesFolder) {
     EXPECT_EQ(files.size(), shipped_scenes().size());
 }
 
-TEST(ShippedScenes, CanBeSimulatedAndSurviveTheRoundTrip) {
+TEST(ShippedScenes, AreReadAndSurviveTheRoundTrip) {
     for (const ShippedScene& shipped_scene : shipped_scenes()) {
         const auto parsed = parse_scene(shipped_scene.text, shipped_scene.name);
         ASSERT_TRUE(parsed) << parsed.error().front().message();

@@ -12,6 +12,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "tests/support/error_of.hpp"
 #include "tests/support/ordinary_user.hpp"
 
 namespace hertzline {
@@ -54,12 +55,7 @@ protected:
 
 /// Returns the message of a failed opening of that path, or "".
 std::string refusal(const fs::path& path) {
-    try {
-        const OutputFile out(path);
-        return "";
-    } catch (const std::runtime_error& error) {
-        return error.what();
-    }
+    return test::error_of([&] { const OutputFile out(path); });
 }
 
 TEST_F(OutputFileTest, AppearsUnderItsNameOnlyAtCommit) {

@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 #include <hdf5.h>
 
+#include "tests/support/error_of.hpp"
 #include "tests/support/recordings.hpp"
 #include "tests/support/temporary_folder.hpp"
 
@@ -29,12 +30,7 @@ protected:
         writer->commit();
     }
     std::string refusal() const {
-        try {
-            test::read_rows(*open_hdf5_reader(file));
-            return {};
-        } catch (const std::runtime_error& error) {
-            return error.what();
-        }
+        return test::error_of([&] { test::read_rows(*open_hdf5_reader(file)); });
     }
     /// Changes the file with the library itself.
     void change(const std::function<void(hid_t)>& work) const {

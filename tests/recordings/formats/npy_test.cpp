@@ -9,6 +9,7 @@
 
 #include "recordings/files/input_file.hpp"
 #include "recordings/formats/npy_header.hpp"
+#include "tests/support/error_of.hpp"
 #include "tests/support/recordings.hpp"
 #include "tests/support/temporary_folder.hpp"
 
@@ -32,12 +33,7 @@ protected:
     void put(const std::string& bytes) const { std::ofstream(file, std::ios::binary) << bytes; }
 
     std::string refusal() const {
-        try {
-            test::read_rows(*open_npy_reader(file));
-            return {};
-        } catch (const std::runtime_error& error) {
-            return error.what();
-        }
+        return test::error_of([&] { test::read_rows(*open_npy_reader(file)); });
     }
 };
 

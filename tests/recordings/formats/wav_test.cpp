@@ -29,12 +29,7 @@ protected:
 
     /// Returns the reason why no writer opens with that head, or "".
     std::string refusal(const RecordingHead& head) const {
-        try {
-            open_wav_writer(file, head);
-            return {};
-        } catch (const std::runtime_error& error) {
-            return error.what();
-        }
+        return test::error_of([&] { open_wav_writer(file, head); });
     }
 };
 

@@ -24,7 +24,7 @@ Nanoseconds worked() {
            std::chrono::microseconds(usage.ru_utime.tv_usec + usage.ru_stime.tv_usec);
 }
 
-TEST(Sleeper, WaitsNoLongerThanToTheDeadlineAndBurnsNoCore) {
+TEST(Sleeper, WaitsToTheDeadlineAndBurnsNoCore) {
     Sleeper sleeper;
     const Nanoseconds begin = MonotonicClock::now();
     const Nanoseconds worked_before = worked();
