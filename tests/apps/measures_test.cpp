@@ -62,13 +62,13 @@ TEST(Measures, OfStreamListenAndReplayAreExplained) {
 
 TEST(Measures, OfStudiesAndArraysAreExplained) {
     const TemporaryFolder folder;
-    const Words quick{"wet-vitreous-carbon",     "--set", "drive.cycles=1", "--set",
-                      "output.duration_s=60e-6", "--json"};
-    expect_explained(
-        hertzline(with(with({"field"}, quick), {"--plane", "x=0,4mm,z=20mm", "-o", folder.file("f.csv")})));
+    const Words short_run{"wet-vitreous-carbon",     "--set", "drive.cycles=1", "--set",
+                          "output.duration_s=60e-6", "--json"};
     expect_explained(hertzline(
-        with(with({"run"}, quick), {"--set", "array.x_m=[0,30mm]", "--set", "array.y_m=[0,0]", "--set",
-                                    "array.coupling=none", "--set", "output.points_m=[[0,0,20mm]]"})));
+        with(with({"field"}, short_run), {"--plane", "x=0,4mm,z=20mm", "-o", folder.file("f.csv")})));
+    expect_explained(hertzline(
+        with(with({"run"}, short_run), {"--set", "array.x_m=[0,30mm]", "--set", "array.y_m=[0,0]", "--set",
+                                        "array.coupling=none", "--set", "output.points_m=[[0,0,20mm]]"})));
     expect_explained(hertzline(
         {"sweep", "paper-wall", "--vary", "chain.spheres=3,4", "--json", "-o", folder.file("s.csv")}));
     expect_explained(hertzline({"optimise", "paper-wall", "--vary", "chain.spheres=3..6", "--maximise",
