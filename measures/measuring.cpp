@@ -116,6 +116,7 @@ static Warnings warnings_of_elements(const Scene& scene, const Chain& first_chai
     struct Told {
         std::string text;
         std::size_t element = 0;  ///< the first one
+        std::size_t last = 0;     ///< the last one
         std::size_t others = 0;   ///< that have it, too
         bool is_same = true;      ///< in numbers
     };
@@ -127,9 +128,10 @@ static Warnings warnings_of_elements(const Scene& scene, const Chain& first_chai
                 return without_numbers(told.text) == words;
             });
             if (same == all.end()) {
-                all.push_back({std::move(text), element});
+                all.push_back({std::move(text), element, element});
             } else {
-                ++same->others;
+                same->others += same->last == element ? 0 : 1;
+                same->last = element;
                 same->is_same = same->is_same && same->text == text;
             }
         }

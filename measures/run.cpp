@@ -155,7 +155,7 @@ public:
             highest_hz = std::max(highest_hz, plate_hz(simulation.chain(element)));
         }
         rate_hz_ = scene.output.sample_rate_hz;
-        shows_it_ = rate_hz_ >= fewest * highest_hz;
+        shows_it_ = shows_it_ && rate_hz_ >= fewest * highest_hz;
     }
 
     /// Returns the largest of any plate in these samples [m]; 0 without a plate.
@@ -176,7 +176,7 @@ public:
 private:
     std::vector<double> now_m_;
     double rate_hz_ = 0;
-    bool shows_it_ = false;
+    bool shows_it_ = true;  // so far, and from now on
 };
 
 SimulationOptions simulation_options(const RunOptions& options, TapSet taps) {
@@ -357,7 +357,7 @@ std::size_t block_of_run(const Scene& scene, TapSet taps) noexcept {
     return static_cast<std::size_t>(std::clamp(block_numbers / numbers, 1.0, longest_block));
 }
 
-double memory_of_run(const Scene& scene, TapSet taps, TapSet measured) noexcept {
+double memory_of_run(const Scene& scene, TapSet taps, TapSet measured) {
     const double rows = rows_of_run(scene);
     const double records =
         2 +

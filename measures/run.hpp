@@ -41,7 +41,7 @@ std::size_t block_of_run(const Scene& scene, TapSet taps) noexcept;
 
 /// Bytes of the simulation, a block, the records of v_out and the measured taps, and their spectra; roughly from above. In double, so
 /// that any request can be judged.
-double memory_of_run(const Scene& scene, TapSet taps, TapSet measured) noexcept;
+double memory_of_run(const Scene& scene, TapSet taps, TapSet measured);
 
 /// Returns the fault of a run whose record is too long for its spectrum.
 std::optional<std::string> longest_run_fault(const Scene& scene);

@@ -25,7 +25,7 @@ double numbers_of(const Scene& scene, TapSet taps) noexcept {
 
 }  // namespace
 
-double memory_of_recorded_run(const Scene& scene, TapSet recorded, TapSet measured) noexcept {
+double memory_of_recorded_run(const Scene& scene, TapSet recorded, TapSet measured) {
     const double queue_bytes = std::min(
         rows_of_run(scene) * sizeof(double) * numbers_of(scene, recorded),
         recordings::RecordingSet::queue_bytes(numbers_of(scene, recorded), scene.output.sample_rate_hz));

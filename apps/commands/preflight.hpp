@@ -16,7 +16,7 @@ using measures::taps_of_run;
 
 /// Returns the bytes of the simulation, its blocks, the queues of its files, the records of v_out and of the other measured
 /// taps, and their spectra.
-double memory_of_recorded_run(const Scene& scene, TapSet recorded, TapSet measured) noexcept;
+double memory_of_recorded_run(const Scene& scene, TapSet recorded, TapSet measured);
 
 /// Returns the bytes of the queues of a stream's files that hold those taps: one a file, since each may be stuck with
 /// other rows. (The recordings of a run share one queue.)

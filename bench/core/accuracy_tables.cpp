@@ -104,7 +104,7 @@ void print_scenes(const std::vector<JudgedScene>& scenes) {
     if (scenes.empty()) {
         return;
     }
-    std::printf("%-20s %-8s", "error/estimate", "reference's");
+    std::printf("%-20s %-8s", "error/estimate", "own");
     for (std::size_t a = 0; a < accuracies_of(scenes); ++a) {
         std::printf(" %-18s", asked(scenes.front(), a).c_str());
     }

@@ -162,13 +162,17 @@ double time_line() {
     const auto take_turns = [&](unsigned core, int mine) {
         stay_on_core(core);
         ready.arrive_and_wait();
-        (mine == 0 ? begin : end) = std::chrono::steady_clock::now();
+        if (mine == 0) {
+            begin = std::chrono::steady_clock::now();
+        }
         for (int turn = mine; turn < 2 * turns; turn += 2) {
             while (line.load(std::memory_order_acquire) != turn) {
             }
             line.store(turn + 1, std::memory_order_release);
         }
-        end = mine == 1 ? std::chrono::steady_clock::now() : end;
+        if (mine == 1) {
+            end = std::chrono::steady_clock::now();
+        }
     };
     std::thread one(take_turns, 0, 0);
     std::thread other(take_turns, 1, 1);

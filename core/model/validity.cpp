@@ -95,10 +95,11 @@ void add_units(const Scene& s, std::vector<std::string>& warnings) {
     };
     warn_of_suspicious_units(values, warnings);
     const auto look_at_list = [&](const std::string& name, std::span<const double> list, double odd) {
-        for (std::size_t i = 0; i < list.size(); ++i) {
-            const std::string key = name + "[" + std::to_string(i + 1) + "]";
-            warn_of_suspicious_units(
-                std::array{SuspiciousUnit{key, list[i], list[i] >= odd, "m", "millimetres"}}, warnings);
+        const auto first = std::ranges::find_if(list, [odd](double length) { return length >= odd; });
+        if (first != list.end()) {
+            const std::string key = name + "[" + std::to_string(first - list.begin() + 1) + "]";
+            warn_of_suspicious_units(std::array{SuspiciousUnit{key, *first, true, "m", "millimetres"}},
+                                     warnings);
         }
     };
     look_at_list("chain.diameters_m", s.chain.diameters_m, 0.1);

@@ -7,6 +7,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "core/integrators/stability.hpp"
 #include "core/model/drive.hpp"
 #include "core/model/end.hpp"
 #include "core/scene/elements.hpp"
@@ -29,6 +30,26 @@ Fault beyond_stability(double step_s, const StepAdvice& advice) {
                   "at most %.4g s, the stability limit in this scene (recommended: %.4g s)",
                   advice.largest_stable_step_s, advice.recommended_step_s);
     return {"numerics.step_s", found.data(), allowed.data()};
+}
+
+/// The bound of the steps of a live drive whose horn resonates, which its pilots take for rigid.
+void keep_stable_with_horn(Resolution& result) {
+    if (result.scene.drive.horn != HornModel::resonator) {
+        return;
+    }
+    constexpr double safety = 0.98;
+    const Chain chain(shortened(result.scene));
+    const double largest = safety * largest_stable_step(chain, expected_overlaps(chain, result.scene.drive),
+                                                        *result.scene.numerics.integrator);
+    StepAdvice& advice = result.advice;
+    advice.largest_stable_step_s = std::min(advice.largest_stable_step_s, largest);
+    advice.recommended_step_s = std::min(advice.recommended_step_s, largest);
+    double& step_s = *result.scene.numerics.step_s;
+    if (step_s > largest && result.step_set_by_scene) {
+        result.faults.push_back(beyond_stability(step_s, advice));
+    } else {
+        step_s = std::min(step_s, largest);
+    }
 }
 
 /// The step that a scene needs is below the bound of numerics.step_s, which the scene does not give.
@@ -102,9 +123,12 @@ void estimate(Resolution& result, ReferencePilot& reference, std::optional<Trial
         return;
     }
     const double waits_s = wait_s(result.scene);
-    ErrorEstimate found = reference.estimate(
-        *trial, result.run_s ? std::optional(std::max(0.0, *result.run_s - waits_s)) : std::nullopt);
-    found.over_s += waits_s;
+    ErrorEstimate found{.error = 0, .over_s = result.run_s.value_or(0)};  // of a run that ends in the wait
+    if (!result.run_s || *result.run_s > waits_s) {
+        found =
+            reference.estimate(*trial, result.run_s ? std::optional(*result.run_s - waits_s) : std::nullopt);
+        found.over_s += waits_s;
+    }
     const Scene& used = result.scene;
     const Scene other = with_another_fit(used, asked_accuracy(result.asked));
     const double of_reference = reference.fit_amplification() * std::min(pole_error(other), pole_error(used));
@@ -221,6 +245,9 @@ Resolution resolve(const Scene& given, std::optional<double> run_s, const std::a
     if (asked.drive.kind == DriveKind::live) {
         result = resolve(as_declared(asked), run_s, stop);
         result.scene.drive = asked.drive;
+        if (result.faults.empty()) {
+            keep_stable_with_horn(result);
+        }
         if (result.faults.empty()) {
             result.scene = with_latency(std::move(result.scene));
         }

@@ -293,12 +293,14 @@ private:
 
     /// Writes the parts of a WAV after its samples, and closes it.
     void complete(std::int64_t rows) {
-        if (sf_set_string(sound_.get(), SF_STR_COMMENT, comment(rows).c_str()) != SF_ERR_NO_ERROR) {
+        const std::string text = comment(rows);
+        if (sf_set_string(sound_.get(), SF_STR_COMMENT, text.c_str()) != SF_ERR_NO_ERROR) {
             cannot_write(path(), sf_strerror(sound_.get()));
         }
         // Reserved, because a sound that is closed cannot make room any more. Not every file system can.
+        constexpr std::size_t of_chunks = 64;  // their heads, and the program's name
         if (::fallocate(output_.file.descriptor(), FALLOC_FL_KEEP_SIZE, Output::length(&output_),
-                        room_bytes) != 0 &&
+                        static_cast<off_t>(text.size() + of_chunks)) != 0 &&
             errno == ENOSPC) {
             output_.failure = ENOSPC;
             require_written();

@@ -272,34 +272,34 @@ function offerChannels() {
   $('chain-panel').hidden = streams.length > 0 && !streams.some(({name}) => whole.includes(name));
 }
 
-// ---- knobs: one change is on its way at a time, the newest value of a key waits
+// ---- knobs: one request is on its way at a time; of changes that wait in a row the newest value of a key counts
 
 const LONGEST_REQUEST = 60000;  // characters: the scope takes no more
-const waiting = new Map();
-let asked = null;  // keys of the change that is on its way; null: none is
-let undoWaits = false;
+const waiting = [];  // requests in their order: {set: {key: value}} or {undo: true}
+let asked = null;  // keys of the request that is on its way; null: none is
 function change() {
-  if (asked !== null || !link.isOpen()) {
+  if (asked !== null || waiting.length === 0 || !link.isOpen()) {
     return;
   }
-  if (waiting.size > 0) {
-    asked = [...waiting.keys()];
-    const request = {set: Object.fromEntries(waiting)};
-    waiting.clear();
-    if (JSON.stringify(request).length > LONGEST_REQUEST) {
-      showAnswer({to: request, answer: {faults: [{message: `found a list that is too long for this page, allowed: ${LONGEST_REQUEST} characters`}]}});
-    } else {
-      link.send(request);
-    }
-  } else if (undoWaits) {
-    undoWaits = false;
-    asked = [];
-    link.send({undo: true});
+  const request = waiting.shift();
+  asked = Object.keys(request.set ?? {});
+  if (JSON.stringify(request).length > LONGEST_REQUEST) {
+    showAnswer({to: request, answer: {faults: [{message: `found a list that is too long for this page, allowed: ${LONGEST_REQUEST} characters`}]}});
+  } else {
+    link.send(request);
   }
 }
-const knobs = new Knobs($('knobs'), (key, value) => { waiting.set(key, value); change(); },
-  (key) => waiting.has(key) || asked?.includes(key));
-$('undo').onclick = () => { undoWaits = true; change(); };
+function set(key, value) {
+  const last = waiting.at(-1);
+  if (last?.set) {
+    last.set[key] = value;
+  } else {
+    waiting.push({set: {[key]: value}});
+  }
+  change();
+}
+const knobs = new Knobs($('knobs'), set, (key) => asked?.includes(key) || waiting.some((request) => request.set && key in request.set));
+$('undo').onclick = () => { waiting.push({undo: true}); change(); };
 
 /** Shows whether the motion went on when the scene changed, below the keys that this page has changed, too. */
 function showMotion() {

@@ -66,7 +66,7 @@ TEST(ChangedRun, ChangesThatCannotBeMadeAreFaults) {
     EXPECT_THAT(fault(R"([{"sample": 10, "set": {}}, {"sample": 20000, "set": {"chain.preload_n": 0.2}}])"),
                 HasSubstr("allowed: up to 5000"));
     EXPECT_THAT(fault(R"([{"sample": 0, "set": {"chain.preload_n": 0.2}}])"),
-                HasSubstr("allowed: a whole number from 1 on"));
+                HasSubstr("allowed: a whole number from 1 to"));
     EXPECT_THAT(fault(R"([{"sample": 10, "set": {"chain.preload_n": 0.2}, "foo": 1}])"),
                 HasSubstr("the member \"foo\""));
     EXPECT_THAT(fault(R"([{"sample": 1e300, "set": {}}])"), HasSubstr("sample: found"));

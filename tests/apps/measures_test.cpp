@@ -69,8 +69,6 @@ TEST(Measures, OfStudiesAndArraysAreExplained) {
     expect_explained(hertzline(
         with(with({"run"}, short_run), {"--set", "array.x_m=[0,30mm]", "--set", "array.y_m=[0,0]", "--set",
                                         "array.coupling=none", "--set", "output.points_m=[[0,0,20mm]]"})));
-    expect_explained(hertzline(
-        {"sweep", "paper-wall", "--vary", "chain.spheres=3,4", "--json", "-o", folder.file("s.csv")}));
     expect_explained(hertzline({"optimise", "paper-wall", "--vary", "chain.spheres=3..6", "--maximise",
                                 "thd_r", "--evaluations", "4", "--json", "-o", folder.file("o.csv")}));
 }

@@ -205,7 +205,8 @@ TEST(Run, ALedgerThatDoesNotCloseIsWarnedOf) {
         measures::measure(done, nullptr, std::nullopt, nullptr);
         return done.warnings;
     };
-    EXPECT_THAT(warnings(0.2), testing::Contains(HasSubstr("energy_residual is 0.2 of what came")));
+    EXPECT_THAT(warnings(0.2),
+                testing::Contains(HasSubstr("energy_residual is 0.2 of the energy that came")));
     EXPECT_THAT(warnings(std::numeric_limits<double>::quiet_NaN()),
                 testing::Contains(HasSubstr("energy_residual is nan")));
     EXPECT_THAT(warnings(0.09), testing::Each(testing::Not(HasSubstr("energy_residual"))));

@@ -33,7 +33,8 @@ def integer(argument: str, value: Any, most: int = 2**63 - 1) -> int:
         refuse(argument, value, "an integer")
     found = operator.index(value)
     if not -most <= found <= most:
-        raise ValueError(f"{argument}: found {found}, allowed: from {-most} to {most}")
+        allowed = f"at most {most}" if found > most else f"at least {-most}"
+        raise ValueError(f"{argument}: found {found}, allowed: {allowed}")
     return found
 
 

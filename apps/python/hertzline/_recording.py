@@ -83,7 +83,7 @@ class Recording(Samples):
         for column, quantity, unit in self._columns:
             if name in (quantity, column):
                 return unit
-        raise KeyError(f'found "{name}", allowed: {", ".join(column for column, _, _ in self._columns)}')
+        raise KeyError(f'found "{name}", allowed: {", ".join(dict.fromkeys(quantity or column for column, quantity, _ in self._columns))}')
 
     def spectrum(self, name: str, *, band_from_hz: float | None = None) -> Any:
         if self.gaps:

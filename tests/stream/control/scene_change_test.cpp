@@ -110,7 +110,7 @@ TEST(SceneChange, FaultsNameWhatIsWrong) {
                 HasSubstr("sample: found \"0\", allowed: a whole number from 1 to"));
     EXPECT_THAT(fault_of(Json::array({{{"set", set}}})), HasSubstr("sample: found none"));
     EXPECT_THAT(fault_of(Json::array({{{"sample", 9}, {"set", set}}, {{"sample", 9}, {"set", set}}})),
-                HasSubstr("change 2: sample: found \"9\", allowed: a whole number from 10 on"));
+                HasSubstr("change 2: sample: found \"9\", allowed: a whole number from 10 to"));
     EXPECT_THAT(fault_of(Json::array({{{"sample", 9}, {"set", set}, {"foo", 1}}})),
                 HasSubstr("the member \"foo\""));
     EXPECT_THAT(fault_of(Json::array({{{"sample", 9}, {"sets", set}}})), HasSubstr("the member \"sets\""));
