@@ -135,7 +135,10 @@ void SceneSettings::add_option(const std::string& option) {
             take_back(key_of(path));
             return;
         }
-        const auto value = toml_value(text);
+        auto value = toml_value(text);
+        if (const auto number = parsed_number<double>(text); number && !value) {
+            value = SceneValue(*number);  // ".2": TOML wants a digit before the point
+        }
         if (const Path section{path[0], path[1]}; parts == 3 && find(joined(section)) == nullptr) {
             set(section, TomlTable{}, place);
         }

@@ -243,6 +243,14 @@ TEST(SceneToml, FaultsOfOwnMaterialsHaveTheirLine) {
                             StartsWith("scene.toml:4: materials.m.density_kg_per_m3: found -1")));
 }
 
+TEST(SceneToml, ANumberOfAnOptionNeedsNoDigitBeforeItsPoint) {
+    const std::vector<std::string> options{"chain.preload_n=.2", "chain.impact_velocity_m_per_s=-.5"};
+    const auto result = parse_scene("", "scene.toml", options);
+    ASSERT_TRUE(result);
+    EXPECT_EQ(result->scene.chain.preload_n, 0.2);
+    EXPECT_EQ(result->scene.chain.impact_velocity_m_per_s, -0.5);
+}
+
 TEST(SceneToml, AFaultThatShowsLaterHasItsPlace) {
     const std::vector<std::string> options{"chain.preload_n=2"};
     const auto result = parse_scene("[numerics]\nstep_s = 1e-5\n", "scene.toml", options);
