@@ -144,10 +144,17 @@ struct BandLimit {
 };
 
 BandLimit highest_band_limit(const Scene& scene, const PlateParameters& plate) {
-    const double drive_hz = scene.drive.kind != DriveKind::none ? highest_frequency_hz(scene.drive) : 0;
+    constexpr double of_drive = 10;
+    double drive_hz = highest_frequency_hz(scene.drive);
+    if (scene.drive.kind == DriveKind::none) {  // the usual band then, as far as there are tables
+        constexpr double below = 1 - 1e-9;
+        const double most_hz =
+            below * largest_ka * plate.fluid.sound_speed_m_per_s / (2 * std::numbers::pi * plate.radius_m);
+        drive_hz = std::min(drive_hz, most_hz / of_drive);
+    }
     const std::array limits{
         BandLimit{plate.contact_hz, 5, "the fastest contacts", "larger or softer spheres"},
-        BandLimit{drive_hz, 10, "the drive", "a slower drive"},
+        BandLimit{drive_hz, of_drive, "the drive", "a slower drive"},
         BandLimit{highest_dry_hz(plate), 1.5, "the last mode", "fewer end.modes"}};
     return *std::ranges::max_element(limits, {}, &BandLimit::hz);
 }

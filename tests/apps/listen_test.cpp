@@ -205,7 +205,7 @@ TEST(Listen, AnOddFrameCostsNothingThatWasRecorded) {
 TEST(Listen, FramesOfOtherWidthsAreMalformed) {
     const TemporaryFolder folder;
     FakeStream stream("100", {"-o", folder.file("a.csv")});
-    stream.reshape(10, 2);
+    stream.reshape(10, 257);  // more than any array has elements
     stream.send(0, 0);
     stream.reshape(10, 1);
     stream.send(1, 10);

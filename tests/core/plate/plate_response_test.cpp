@@ -84,6 +84,19 @@ TEST(PlateResponse, OneThatPolesDoNotFitIsRefused) {
     EXPECT_FALSE(resolve(scene).faults.empty());
 }
 
+TEST(PlateResponse, ADriveThatIsNotThereDoesNotRefuseAWideDisc) {
+    Scene scene;
+    scene.end.model = PlateModel::modal;
+    scene.end.radius_m = 0.1;
+    scene.end.thickness_m = 10e-3;
+    scene.chain.material = "silicone_rubber";  // slow contacts
+    scene.chain.preload_n = 0;
+    scene.chain.impact_velocity_m_per_s = 0.01;
+    EXPECT_EQ(plate_faults(scene).size(), 1U) << "10 times 73 kHz are too much";
+    scene.drive.kind = DriveKind::none;
+    EXPECT_TRUE(plate_faults(scene).empty());
+}
+
 TEST(PlateResponse, ADiscThatIsTooWideIsRefusedWithTheCauseOfItsBand) {
     const auto fault = [](auto change) {
         Scene scene;
