@@ -70,7 +70,7 @@ TEST(Measures, OfStudiesAndArraysAreExplained) {
         with(with({"run"}, short_run), {"--set", "array.x_m=[0,30mm]", "--set", "array.y_m=[0,0]", "--set",
                                         "array.coupling=none", "--set", "output.points_m=[[0,0,20mm]]"})));
     expect_explained(hertzline({"optimise", "paper-wall", "--vary", "chain.spheres=3..6", "--maximise",
-                                "thd_r", "--evaluations", "4", "--json", "-o", folder.file("o.csv")}));
+                                "thd_r", "--evaluations", "18", "--json", "-o", folder.file("o.csv")}));
 }
 
 TEST(Measures, OfCheckAreExplained) {
