@@ -120,6 +120,9 @@ TEST(RingBuffer, RefusesToHaveNoSlots) {
 }
 
 TEST(RingBuffer, AllocatesNothingAfterConstruction) {
+    if (HERTZLINE_ALLOCATIONS_ARE_COUNTED == 0) {
+        GTEST_SKIP() << "sanitizers bring an allocator of their own";
+    }
     RingBuffer<std::vector<double>> ring(4, std::vector<double>(64));
     const std::size_t before = test::allocations();
     for (int i = 0; i < 1000; ++i) {
