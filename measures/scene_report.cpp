@@ -317,9 +317,13 @@ std::optional<PeakOverlaps> peak_overlaps(const Scene& scene, double duration_s)
     if (duration_s / *scene.numerics.step_s * bodies > max_body_steps) {
         return std::nullopt;
     }
-    Simulation simulation(as_declared(scene));
-    const double samples = std::max(1.0, duration_s * scene.output.sample_rate_hz);
-    if (simulation.skip(static_cast<std::int64_t>(samples)) != Status::running) {
+    Scene watched = as_declared(scene);
+    constexpr double least_samples = 1000;  // else its last sample may lie far before the end
+    double& rate_hz = watched.output.sample_rate_hz;
+    rate_hz = std::max(rate_hz, least_samples / duration_s);
+    const auto samples = static_cast<std::int64_t>(std::ceil(duration_s * rate_hz));
+    Simulation simulation(std::move(watched));
+    if (simulation.skip(samples) != Status::running) {
         return std::nullopt;
     }
     PeakOverlaps peaks;

@@ -12,6 +12,7 @@
 #include <fmt/format.h>
 
 #include "core/model/drive.hpp"
+#include "core/model/sampled_motion.hpp"
 #include "core/scene/scene_key.hpp"
 #include "core/scene/text.hpp"
 #include "core/scene/units.hpp"
@@ -130,7 +131,12 @@ std::optional<double> strongest_line_hz(const Drive& drive) {
     std::ranges::for_each(velocity, [drift](double& v) { v -= drift; });
     SpectrumAnalyser analyser(velocity.size(), rate);
     const MagnitudeSpectrum spectrum = analyser.magnitudes(velocity);
-    const std::vector<double>& levels = spectrum.amplitudes;
+    const double bin_hz = spectrum.frequencies_hz[1];
+    const auto kept =
+        static_cast<std::size_t>(1.5 * lowpass_hz(drive) / bin_hz) + 1;  // bins that the low-pass leaves
+    const std::span<const double> levels =
+        std::span(spectrum.amplitudes)
+            .first(std::min(std::max<std::size_t>(kept, 2), spectrum.amplitudes.size()));
     const auto peak = static_cast<std::size_t>(std::ranges::max_element(levels) - levels.begin());
     if (peak == 0 || levels[peak] == 0) {
         return std::nullopt;
@@ -140,7 +146,6 @@ std::optional<double> strongest_line_hz(const Drive& drive) {
         const double bend = levels[peak - 1] - 2 * levels[peak] + levels[peak + 1];
         beside = bend < 0 ? (levels[peak - 1] - levels[peak + 1]) / (2 * bend) : 0;
     }
-    const double bin_hz = spectrum.frequencies_hz[1];
     const Range allowed = scene_key_named(Scene{}, "drive.frequency_hz")->range;
     return std::clamp((static_cast<double>(peak) + beside) * bin_hz, allowed.min, allowed.max);
 }

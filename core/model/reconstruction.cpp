@@ -302,7 +302,9 @@ void Reconstruction::take_block(std::int64_t first) {
     for (std::ptrdiff_t k = 0; k < block; ++k) {
         const auto i = static_cast<std::size_t>(k);
         const std::int64_t middle = first + k * lowpass_.every();
-        if (middle >= lowpass_.half() && middle + lowpass_.half() < real_) {
+        const bool has_all = middle >= lowpass_.half() && middle + lowpass_.half() < real_;
+        // a short record is counted whole, with its level beyond its ends
+        if (has_all || (real_ < 4 * lowpass_.half() && middle >= 0 && middle < real_)) {
             const double value = values_[i];
             const double taken = samples[lowpass_.half() + k * lowpass_.every()] - value;
             kept_ += value * value;

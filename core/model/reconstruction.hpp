@@ -49,6 +49,8 @@ public:
     /// @param rate of the samples, and edge of the low-pass [Hz]
     Reconstruction(double rate, double edge, DriveQuantity quantity);
 
+    /// Tells how many samples come in all, before the first one: then the low-pass's share of a short record is known, too.
+    void expect(std::int64_t samples) noexcept { real_ = samples; }
     /// Appends the polynomials that the next samples complete. The motion before the first sample mirrors that after it, so that
     /// the low-pass leaves the first sample at rest. @param samples [m] or [m/s], from the first one on
     void append(std::span<const double> samples, std::vector<Polynomial>& pieces);

@@ -93,12 +93,19 @@ SampledMotion::SampledMotion(const Drive& drive) {
     facts_.samples = static_cast<std::int64_t>(record.size());
     facts_.duration_s = static_cast<double>(record.size() - 1) / rate;
     Reconstruction reconstruction(rate, edge, quantity);
+    reconstruction.expect(facts_.samples);
     reconstruction.append(record, pieces_);
     reconstruction.finish(pieces_);
     note_noise(reconstruction, rate, quantity, facts_);
     note_motion(edge);
     const double first = quantity == DriveQuantity::velocity ? record[0] : (record[1] - record[0]) * rate;
-    facts_.raw_start_share = facts_.largest_velocity > 0 ? std::abs(first) / facts_.largest_velocity : 0;
+    double largest = facts_.largest_velocity;  // a low-pass may leave far less
+    for (std::size_t i = 1; i < record.size(); ++i) {
+        largest = std::max(
+            largest,
+            std::abs(quantity == DriveQuantity::velocity ? record[i] : (record[i] - record[i - 1]) * rate));
+    }
+    facts_.raw_start_share = largest > 0 ? std::abs(first) / largest : 0;
 }
 
 /// Displacements, velocities and frequencies of the pieces. @param edge of the low-pass [Hz]

@@ -207,7 +207,8 @@ void add_record(const Scene& scene, std::vector<std::string>& warnings) {
     }
     if (record.beyond_share > noticed) {
         warnings.push_back("the low-pass at " + briefly(lowpass_hz(drive)) + " Hz (drive.lowpass_hz) takes " +
-                           percent(record.beyond_share) + " of the drive's record");
+                           (record.beyond_share < 1 ? percent(record.beyond_share) : "most") +
+                           " of the drive's record");
     }
     if (record.noise_velocity > noticed * record.largest_velocity) {
         warnings.push_back("the noise of the drive's record moves the horn at up to " +

@@ -111,7 +111,8 @@ std::optional<Fault> late_burst_fault(const Scene& scene, double burst_s) {
     if (!(drive.repetition_hz > 0 && latest > last + rounding / drive.repetition_hz)) {
         return std::nullopt;
     }
-    return Fault{"array.delays_s", number_text(latest) + " s for the latest element, with drive.start_s",
+    return Fault{scene.array.focus_m.empty() ? "array.delays_s" : "array.focus_m",
+                 number_text(latest) + " s for the latest element, with drive.start_s",
                  "at most 1 / repetition_hz - " + number_text(burst_s) +
                      " s of a burst = " + number_text(last) + " s: a burst lies within its period"};
 }

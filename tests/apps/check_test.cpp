@@ -38,6 +38,18 @@ TEST(Check, DerivesThePapersNumbers) {
     EXPECT_EQ(derived["integrator"], "taylor8");
 }
 
+TEST(Check, ThePressuresOfTheFirstBurstDoNotDependOnTheSampleRate) {
+    const auto checked = [](const std::string& rate) {
+        return hertzline({"check", "sonic-vacuum", "--set", "output.sample_rate_hz=" + rate, "--json"})
+            .json();
+    };
+    const auto fine = checked("10e6");
+    const auto coarse = checked("1e3");
+    for (const char* name : {"sphere_contact_peak_pressure_pa", "fastest_dynamic_hz"}) {
+        EXPECT_NEAR(coarse.at(name).get<double>() / fine.at(name).get<double>(), 1, 0.01) << name;
+    }
+}
+
 TEST(Check, RestsOnTheEndWhereSpheresHaveWeightAndHasNoBurstWithoutAHorn) {
     const auto heavy =
         hertzline({"check", "paper-wall", "--json", "--set", "chain.gravity_m_per_s2=5000"}).json();

@@ -282,6 +282,11 @@ TEST_F(DriveRecord, OffsetAndDriftHaveNoPartInTheStrongestLine) {
                (std::sin(2 * std::numbers::pi * 20e3 * t) + 0.5 * std::sin(2 * std::numbers::pi * 100e3 * t));
     };
     EXPECT_NEAR(line(two, ""), 100e3, 2e3);
+    // none that the low-pass removes
+    const auto with_pickup = [](double t) {
+        return SmoothBurst::displacement(t) + 60e-9 * std::sin(2 * std::numbers::pi * 2e6 * t);
+    };
+    EXPECT_NEAR(line(with_pickup, ""), 73e3, 1e3);
 }
 
 TEST_F(DriveRecord, TheSceneKeepsTheSamples) {

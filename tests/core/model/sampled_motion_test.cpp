@@ -99,6 +99,12 @@ TEST(SampledMotion, ItsPiecesContinueEachOther) {
     }
 }
 
+TEST(SampledMotion, OfARecordThatIsShorterThanTheLowPassItsShareIsKnown) {
+    Drive drive = sampled(SmoothBurst::displacement, 10e6, 400e-6);
+    drive.lowpass_hz = 40e3;  // below the burst
+    EXPECT_GT(SampledMotion::of(drive)->facts().beyond_share, 1);
+}
+
 TEST(SampledMotion, TheLowPassTakesWhatLiesAboveAndLeavesTheRestInPlace) {
     const auto beyond = [](double t) {
         return SmoothBurst::envelope(t) / 10 * std::sin(2 * std::numbers::pi * 1.6e6 * t);

@@ -20,6 +20,15 @@ std::vector<std::string> warnings_after(Change change) {
     return unused_key_warnings(scene);
 }
 
+TEST(UnusedKeys, AResonatorThatMovesAsItsRecordSaysIsNoticed) {
+    Scene scene;
+    scene.drive.kind = DriveKind::file;
+    scene.drive.horn = HornModel::resonator;
+    EXPECT_THAT(unused_key_warnings(scene), testing::Contains(HasSubstr("has no effect with a record")));
+    scene.drive.horn_mass_kg = 1e-3;
+    EXPECT_THAT(unused_key_warnings(scene), testing::Not(testing::Contains(HasSubstr("with a record"))));
+}
+
 TEST(UnusedKeys, AChainThatCannotSleepIsNoticed) {
     EXPECT_THAT(warnings_after([](Scene& s) { s.numerics.rest_tolerance = 1e-3; }), IsEmpty());
     EXPECT_THAT(warnings_after([](Scene& s) {
