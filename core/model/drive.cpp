@@ -182,7 +182,7 @@ std::vector<Fault> drive_faults(const Drive& drive) {
     constexpr double seen_in_noise = 8;  // times its rms, which is larger at the edge: less is no motion
     const bool begins_in_motion =
         record.start_share > largest_start &&
-        (record.beyond_share > 1 ||  // what the low-pass removes is no noise then
+        (record.beyond_share > 1 ||  // a low-pass that removes most of a record removes more than noise
          record.start_share * record.largest_velocity > seen_in_noise * record.noise_velocity);
     if (begins_in_motion && record.raw_start_share <= largest_start) {
         faults.push_back({"drive.lowpass_hz",

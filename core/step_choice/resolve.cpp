@@ -88,9 +88,12 @@ ReferencePilot reference_for(const Scene& scene, Resolution& result, const std::
 
 /// How long the chain rests before the horn begins [s]; 0 where it moves from the start.
 double wait_s(const Scene& scene) {
-    const bool has_horn = scene.drive.kind == DriveKind::tone || scene.drive.kind == DriveKind::file;
-    const bool rests = scene.chain.impact_velocity_m_per_s == 0 && Chain(shortened(scene)).balanced();
-    return has_horn && rests ? scene.drive.start_s : 0;
+    const Drive& drive = scene.drive;
+    const bool begins_later =
+        drive.start_s > 0 && (drive.kind == DriveKind::tone || drive.kind == DriveKind::file);
+    const bool rests =
+        begins_later && scene.chain.impact_velocity_m_per_s == 0 && Chain(shortened(scene)).balanced();
+    return rests ? drive.start_s : 0;
 }
 
 /// The scene for pilots, which would watch a chain at rest else.

@@ -67,7 +67,6 @@ constexpr std::size_t max_columns = 1024;  // libsndfile's
 constexpr std::size_t word = 4;
 constexpr sf_count_t alignment = 8;  // of the samples in the file, for programs that map it
 constexpr sf_count_t sample_bytes = sizeof(float);
-constexpr sf_count_t room_bytes = 4096;          // for the parts after the samples
 constexpr std::size_t max_comment_bytes = 2040;  // libsndfile 1.2 reads back no longer one
 
 /// The file that libsndfile writes to, through these functions, because its own sf_close() writes without reporting
@@ -315,6 +314,7 @@ private:
         if (output_.file.is_closed() || is_whole_) {
             return kept_as_it_is(this->rows());
         }
+        constexpr sf_count_t room_bytes = 4096;
         const auto row_bytes = std::ssize(head().columns) * sample_bytes;
         const sf_count_t data = Output::length(&output_) - data_begin_;
         const std::int64_t rows =

@@ -98,7 +98,7 @@ std::optional<pid_t> start(std::vector<std::string> words, const fs::path& messa
     posix_spawn_file_actions_addopen(&files, STDOUT_FILENO, "/dev/null", O_WRONLY, 0);
     posix_spawn_file_actions_addopen(&files, STDERR_FILENO, messages.c_str(), O_WRONLY | O_CREAT | O_TRUNC,
                                      0600);
-    std::signal(SIGCHLD, SIG_DFL);  // where a parent had it ignored, nobody would know how the script ends
+    std::signal(SIGCHLD, SIG_DFL);  // if it were ignored, waitpid() would not return the script's status
     pid_t process = -1;
     const int failure =
         ::posix_spawnp(&process, arguments.front(), &files, nullptr, arguments.data(), environ);
