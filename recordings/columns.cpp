@@ -5,6 +5,7 @@
 #include <string_view>
 #include <utility>
 
+#include "core/scene/text.hpp"
 #include "core/scene/units.hpp"
 
 namespace hertzline::recordings {
@@ -103,7 +104,29 @@ Column column_named(const std::string& name) {
             return {name, std::string(row.name), std::string(row.unit)};
         }
     }
-    return with_unit_in_name(name).value_or(Column{name, name, ""});
+    if (auto column = with_unit_in_name(name)) {
+        return *std::move(column);
+    }
+    if (name.ends_with("_s")) {  // "v_mm_s"
+        if (const auto column = with_unit_in_name(name.substr(0, name.size() - 2) + "_per_s")) {
+            return {name, column->quantity, column->unit};
+        }
+    }
+    return {name, name, ""};
+}
+
+Column column_titled(std::string_view title) {
+    constexpr std::string_view blanks = " \t\r";
+    title = trimmed(title, blanks);
+    const std::size_t open = title.find_last_of("([");
+    const bool has_unit =
+        open != std::string_view::npos && open > 0 && title.find_last_of(")]") == title.size() - 1;
+    Column column =
+        column_named(column_text(trimmed(title.substr(0, has_unit ? open : title.size()), blanks)));
+    if (has_unit) {
+        column.unit = column_text(title.substr(open + 1, title.size() - open - 2));
+    }
+    return column;
 }
 
 void RowBuilder::find_order(const ChannelCounts& counts) {
@@ -117,7 +140,7 @@ void RowBuilder::find_order(const ChannelCounts& counts) {
 }
 
 void RowBuilder::write(const Samples& block) {
-    if (!recordings_.any_left()) {
+    if (!recordings_.any_left() || !(taps_ - block.holds).empty()) {
         return;
     }
     if (alike_.empty()) {

@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "hertzline/samples.hpp"
@@ -19,6 +20,9 @@ std::vector<Column> recorded_columns(TapSet taps, const ChannelCounts& counts);
 /// The column of that name; one that is no tap's is a quantity of its own, its unit taken from the name.
 Column column_named(const std::string& name);
 
+/// The column of a foreign name, which may have its unit in brackets: "Channel 1 (V)", "x [um]".
+Column column_titled(std::string_view title);
+
 /// Turns blocks of samples into the rows of recordings.
 class RowBuilder {
 public:
@@ -27,7 +31,7 @@ public:
 
     TapSet taps() const noexcept { return taps_; }
 
-    /// Appends a block that holds the taps. Does not throw when a recording cannot be written: `recordings` reports
+    /// Appends a block; one that does not hold all of the taps becomes a gap. Does not throw when a recording cannot be written: `recordings` reports
     /// that.
     void write(const Samples& block);
 

@@ -72,14 +72,22 @@ tl::expected<std::size_t, Fault> chosen_column(const std::vector<Column>& column
                                             more, columns.size(), similar)});
 }
 
-/// The column; where it has no unit, that of something else than a motion in which its name ends, as "ch1_mV".
+/// The column; where it has no unit, that of something else than a motion in which its name ends, as "ch1_mV", "a_m_per_s2".
 Column with_other_unit(Column column) {
-    constexpr std::array<std::string_view, 14> others{"v",  "mv", "uv",  "kv",  "a", "ma", "n",
-                                                      "mn", "pa", "kpa", "mpa", "g", "db", "inch"};
-    const std::size_t end = column.name.rfind('_');
-    if (column.unit.empty() && end != std::string::npos && end > 0 &&
-        std::ranges::find(others, lower_case(column.name.substr(end + 1))) != others.end()) {
-        column.unit = column.name.substr(end + 1);
+    constexpr std::array<std::string_view, 19> others{"v",   "mv",  "uv",  "kv",  "a", "ma", "n",
+                                                      "mn",  "pa",  "kpa", "mpa", "g", "db", "inch",
+                                                      "rad", "deg", "hz",  "s",   "s2"};
+    constexpr std::string_view per = "_per_";  // of a motion it was found before
+    const std::size_t slash = column.name.rfind(per);
+    const std::size_t end = column.name.rfind('_', slash == 0 ? 0 : slash - 1);
+    if (!column.unit.empty() || end == std::string::npos || end == 0) {
+        return column;
+    }
+    std::string unit = column.name.substr(end + 1);
+    if (slash != std::string::npos) {
+        column.unit = unit.replace(slash - end - 1, per.size(), "/");
+    } else if (std::ranges::find(others, lower_case(unit)) != others.end()) {
+        column.unit = std::move(unit);
     }
     return column;
 }

@@ -171,18 +171,17 @@ private:
             stretches_.push_back({number, row_bytes_, bytes});
         }
         for (std::uint64_t i = 1; i <= field.count; ++i) {
-            add_columns(field.count > 1 ? fmt::format("{}_{}", field.name, i) : field.name, type);
+            add_columns(field.name, field.count > 1 ? fmt::format("_{}", i) : "", type);
         }
     }
 
-    void add_columns(const std::string& name, const NpyType& type) {
-        const std::string base = name.empty() ? fmt::format("channel_{}", ++channels_) : column_text(name);
-        if (!type.is_complex()) {
-            head_.columns.push_back(column_named(base));
-            return;
-        }
-        for (const char* part : {"_re", "_im"}) {
-            head_.columns.push_back(column_named(base + part));
+    void add_columns(const std::string& title, const std::string& number, const NpyType& type) {
+        const Column whole = column_titled(title.empty() ? fmt::format("channel_{}", ++channels_) : title);
+        const std::vector<std::string> parts =
+            type.is_complex() ? std::vector<std::string>{"_re", "_im"} : std::vector<std::string>{""};
+        for (const std::string& part : parts) {
+            const std::string ending = number + part;
+            head_.columns.push_back({whole.name + ending, whole.quantity + ending, whole.unit});
         }
     }
 
@@ -207,7 +206,7 @@ private:
             item_bytes_ = array.fortran_order ? row_bytes_ : 0;
             const NpyType type(array.fields.front().type);
             for (std::uint64_t i = 1; i < across; ++i) {
-                add_columns({}, type);
+                add_columns({}, {}, type);
             }
             row_bytes_ *= across;
             stretches_.front().bytes = row_bytes_;

@@ -222,7 +222,8 @@ TEST_F(DriveRecord, ATextIsUtf8WithoutNul) {
 }
 
 TEST_F(DriveRecord, ANameThatEndsInAnotherUnitIsNoMotionInMetres) {
-    for (const std::string name : {"ch1_mV", "p_pa", "force_n", "level_dB"}) {
+    for (const std::string name : {"ch1_mV", "p_pa", "force_n", "level_dB", "tip_rad", "a_m_per_s2",
+                                   "a_m_per_s^2", "k_n_per_m", "a_m_s2"}) {
         test::write_text(folder_.file("other.csv"), "time_s," + name + rows());
         EXPECT_THAT(fault("other.csv"), HasSubstr("drive.scale: found nothing, with " + name + " in "))
             << name;

@@ -45,18 +45,6 @@ std::vector<std::string_view> words_of(std::string_view line, char separator) {
     return words;
 }
 
-/// The column of a name such as "Channel 1 (V)".
-Column column_of_words(std::string_view name) {
-    const std::size_t open = name.find_last_of("([");
-    const bool has_unit =
-        open != std::string_view::npos && open > 0 && (name.back() == ')' || name.back() == ']');
-    Column column = column_named(column_text(trimmed(name.substr(0, has_unit ? open : name.size()), blanks)));
-    if (has_unit) {
-        column.unit = column_text(name.substr(open + 1, name.size() - open - 2));
-    }
-    return column;
-}
-
 /// Whether a word is a time of day, which an oscilloscope notes behind "Time" before the names.
 bool is_time_of_day(std::string_view word) {
     return word.find_first_of("0123456789") == 0 && word.find(':') != std::string_view::npos;
@@ -76,7 +64,7 @@ bool take_names(std::string_view line, char separator, CsvNames& names) {
             const std::size_t trailing = words.back().empty() && words.size() > place + 2 ? 1 : 0;
             for (const std::string_view word :
                  std::span(words).subspan(place + 1, words.size() - place - 1 - trailing)) {
-                names.columns.push_back(column_of_words(word));
+                names.columns.push_back(column_titled(word));
             }
             return true;
         }
@@ -116,6 +104,33 @@ void take_units(const CsvLines& lines, CsvNames& names) {
     }
 }
 
+bool is_comment(std::string_view line) {
+    return std::ranges::any_of(comments, [line](std::string_view sign) { return line.starts_with(sign); });
+}
+
+std::string_view without_comment_sign(std::string_view line) {
+    for (const std::string_view sign : comments) {
+        if (line.starts_with(sign)) {
+            return line.substr(sign.size());
+        }
+    }
+    return line;
+}
+
+bool has_cells(std::string_view line) {
+    return !is_comment(line) && line.find_first_not_of(" \t\r,;") != std::string_view::npos;
+}
+
+/// The column that a comment above the numbers names, "# v_m_per_s" or "% Channel 1 (V)"; nothing where it is prose.
+std::optional<Column> column_of_comment(std::string_view line) {
+    const std::string_view title = trimmed(without_comment_sign(line), blanks);
+    Column column = column_titled(title);
+    const bool has_unit = !column.unit.empty() && column.unit.find(' ') == std::string::npos;
+    const bool is_word =
+        title.find_first_of(" \t,;") == std::string_view::npos && title.find('_') != std::string_view::npos;
+    return has_unit || is_word ? std::optional(std::move(column)) : std::nullopt;
+}
+
 /// Goes to the first row of a file of one number in each line, below a name or not. @returns whether it is one
 bool take_single_column(CsvLines& lines, CsvNames& names) {
     const auto is_number = [](std::string_view line) {
@@ -124,14 +139,21 @@ bool take_single_column(CsvLines& lines, CsvNames& names) {
     };
     Column column{"channel_1", "channel_1", ""};
     CsvLines::Place before = lines.place();
-    if (!CsvNumbers::next(lines)) {
+    bool found = false;
+    while (!found && lines.next()) {
+        if (is_comment(lines.line())) {
+            column = column_of_comment(lines.line()).value_or(column);
+        }
+        found = has_cells(lines.line());
+    }
+    if (!found) {
         return false;
     }
     if (!begins_as_a_number(trimmed(lines.line(), blanks))) {
         if (lines.line().find_first_of(",;\t") != std::string_view::npos) {
             return false;
         }
-        column = column_of_words(without_quotes(lines.line()));
+        column = column_titled(without_quotes(lines.line()));
         before = lines.place();
         if (!CsvNumbers::next(lines)) {
             return false;
@@ -146,15 +168,6 @@ bool take_single_column(CsvLines& lines, CsvNames& names) {
     names.first_row = before;
     names.has_rows = true;
     return true;
-}
-
-std::string_view without_comment_sign(std::string_view line) {
-    for (const std::string_view sign : comments) {
-        if (line.starts_with(sign)) {
-            return line.substr(sign.size());
-        }
-    }
-    return line;
 }
 
 }  // namespace
@@ -212,12 +225,10 @@ CsvNames read_csv_names(CsvLines& lines, bool rate_is_given) {
 bool CsvNumbers::next(CsvLines& lines, std::string* empty) {
     while (lines.next()) {
         const std::string_view line = lines.line();
-        const bool is_comment =
-            std::ranges::any_of(comments, [line](std::string_view sign) { return line.starts_with(sign); });
-        if (!is_comment && line.find_first_not_of(" \t\r,;") != std::string_view::npos) {
+        if (has_cells(line)) {
             return true;
         }
-        if (!is_comment && empty != nullptr && empty->empty()) {
+        if (!is_comment(line) && empty != nullptr && empty->empty()) {
             *empty = lines.name();
         }
     }

@@ -191,6 +191,9 @@ TEST(CsvReader, AColumnWithoutTimesNeedsItsRate) {
     EXPECT_EQ(read("# of a vibrometer\r\n\r\n0\r\n-1.5\r\n2e-6\r\n\r\n").second, numbers);
     EXPECT_EQ(read("x_um\n0\n-1.5\n2e-6\n").first, column_named("x_um"));
     EXPECT_EQ(read("Channel 1 (mm/s)\n0\n-1.5\n2e-6\n").first.unit, "mm/s");
+    EXPECT_EQ(read("# v_m_per_s\n0\n-1.5\n2e-6\n").first, column_named("v_m_per_s"));
+    EXPECT_EQ(read("% 2 MHz\n% Channel 1 (V)\r\n\n# of a vibrometer, (1 of 2)\n0\n-1.5\n2e-6\n").first.unit,
+              "V");
     const auto fault = [&](const std::string& text) {
         write_text(file, text);
         return error_of([&] { read_rows(*open_csv_reader(file, {.sample_rate_hz = 2e6, .warn = {}})); });

@@ -146,6 +146,18 @@ TEST_F(Npy, StructuresOfOthersHaveTheNamesOfTheirFieldsAndTheRateOfTheirTimes) {
     EXPECT_EQ(open_npy_reader(file, {.sample_rate_hz = 5, .warn = {}})->head().sample_rate_hz, 5);
 }
 
+TEST_F(Npy, UnitsOfFieldsAreKept) {
+    put<double>(
+        {{{"Time (ms)", "<f8"}, {"x (mm)", "<f8"}, {"x_um", "<f8", 2}, {"v (m/s)", "<c16"}}, {2}, false},
+        {0, 1, 2, 3, 4, 5, 1, 6, 7, 8, 9, 0});
+    const auto reader = open_npy_reader(file);
+    EXPECT_EQ(reader->head().sample_rate_hz, 1000);
+    EXPECT_THAT(reader->head().columns,
+                testing::ElementsAre(Column{"x", "x", "mm"}, Column{"x_um_1", "x_1", "um"},
+                                     Column{"x_um_2", "x_2", "um"}, Column{"v_re", "v_re", "m/s"},
+                                     Column{"v_im", "v_im", "m/s"}));
+}
+
 TEST_F(Npy, TimesMayBeIntegers) {
     put<std::int32_t>({{{"time_us", "<i4"}, {"in", "<f4"}}, {3}, false}, {5, 0, 7, 0, 9, 0});
     const auto reader = open_npy_reader(file);
