@@ -7,6 +7,7 @@
 #include <fstream>
 #include <iterator>
 #include <set>
+#include <span>
 #include <stdexcept>
 #include <utility>
 
@@ -18,6 +19,7 @@
 #include "core/scene/text.hpp"
 #include "measures/provenance.hpp"
 #include "measures/tap_names.hpp"
+#include "recordings/recording_formats.hpp"
 
 namespace hertzline::studies {
 
@@ -216,6 +218,26 @@ namespace {
 constexpr std::string_view varied_file = "drive.file";
 
 /// SigMF has its samples in a file beside.
+/// The hash of all that the files of a SigMF recording say, one of which is given; "" where they cannot be read.
+std::string hash_of_sigmf(const std::filesystem::path& file) {
+    constexpr std::size_t portion_rows = 65'536;
+    try {
+        const auto reader = recordings::open_reader(file);
+        std::string text = fmt::format("{}", reader->head().sample_rate_hz);
+        for (const recordings::Column& column : reader->head().columns) {
+            text += fmt::format(",{},{}", column.name, column.unit);
+        }
+        for (recordings::RecordedRows rows; reader->read(rows, portion_rows);) {
+            text += fmt::format(",{}", rows.first);
+            const auto bytes = std::as_bytes(std::span(rows.values));
+            text.append(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+        }
+        return hash_text(text);
+    } catch (const std::runtime_error&) {
+        return "";
+    }
+}
+
 Json hashes_of(const std::set<std::string>& files) {
     const auto content = [](const std::filesystem::path& file) {
         std::ifstream stream(file, std::ios::binary);
@@ -226,10 +248,8 @@ Json hashes_of(const std::set<std::string>& files) {
         std::error_code unknown;
         Json& hash = json[file] = nullptr;
         if (std::filesystem::is_regular_file(file, unknown)) {
-            const std::filesystem::path samples =
-                std::filesystem::path(file).replace_extension(".sigmf-data");
-            const bool two = std::filesystem::path(file).extension() == ".sigmf-meta";
-            hash = hash_text(content(file)) + (two ? hash_text(content(samples)) : "");
+            const bool sigmf = std::filesystem::path(file).extension().string().starts_with(".sigmf-");
+            hash = hash_text(content(file)) + (sigmf ? hash_of_sigmf(file) : "");
         }
     }
     return json;

@@ -156,6 +156,22 @@ TEST_F(RecordedDrive, PartsOfASweepHaveTheSameFiles) {
                 HasSubstr("content of drive.file"));
 }
 
+TEST_F(RecordedDrive, MetadataBelongToTheContentOfASweptFile) {
+    const std::string meta = folder_.file("tip.sigmf-meta");
+    ASSERT_EQ(hertzline({"run", "paper-wall", "-o", meta, "--columns", "v_horn"}).status, 0);
+    const Words sweep{"sweep",   "paper-wall",
+                      "--set",   "drive.kind=file",
+                      "--vary",  "drive.file=" + folder_.file("tip.sigmf-data"),
+                      "--vary",  "chain.preload_n=0.1,0.2",
+                      "-o",      folder_.file("s.csv"),
+                      "--shard", "1/2"};
+    ASSERT_EQ(hertzline(sweep).status, 0);
+    json changed = json::parse(contents(meta));
+    changed["global"]["core:sample_rate"] = 5e6;
+    write_text(meta, changed.dump());
+    EXPECT_THAT(hertzline(with(sweep, {"--resume"})).err, HasSubstr("content of drive.file"));
+}
+
 TEST_F(RecordedDrive, KeysByWhichARecordIsReadVaryWithItsFile) {
     const Words fixed{"sweep", "paper-wall",          "--set", "drive.kind=file",
                       "--set", "drive.file=" + horn_, "--json"};
