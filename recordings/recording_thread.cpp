@@ -146,8 +146,11 @@ bool RecordingThread::try_write(const SharedRows& rows) {
 bool RecordingThread::wait_for_progress(Duration most) {
     std::unique_lock lock(shared_->mutex);
     const std::int64_t before = shared_->numbers;
-    shared_->done.wait_for(lock, most, [&] { return shared_->numbers != before || shared_->over; });
-    return shared_->numbers != before;
+    const auto progressed = [&] {  // what was full may have become empty since
+        return shared_->numbers != before || (shared_->queue.empty() && shared_->result.failure.empty());
+    };
+    shared_->done.wait_for(lock, most, [&] { return progressed() || shared_->over; });
+    return progressed();
 }
 
 void RecordingThread::end(RecordingEnd how) {

@@ -46,6 +46,7 @@ void OutputFile::rewrite(std::uint64_t offset, std::string_view text) {
 }
 
 void OutputFile::flush() {
+    file_.require_open();  // a failed write has written a part of the buffer
     if (const int error = write_all(file_.descriptor(), buffer_)) {
         if (const std::uint64_t odd = size() % record_bytes_; odd > 0) {
             // Where even this fails readers pass over the odd bytes.

@@ -16,6 +16,8 @@ constexpr std::size_t most_questions = 32;
 constexpr std::chrono::seconds patience{15};  // a change may have to be tried in pilot runs first
 constexpr double values_every_s = 1;
 constexpr const char* no_stream = "no stream is running, so nothing is changed";
+constexpr const char* no_answer =
+    "the stream does not answer any more; a change that was asked for may still take effect";
 
 /// Returns an answer with one fault.
 Json fault_answer(const std::string& message) {
@@ -71,9 +73,11 @@ void ControlLink::give_up(const std::string& why) {
     if (waiting_.empty()) {
         return;
     }
-    connect();  // a question that waits in the socket would reach another run
+    connect();         // a question that waits in the socket would reach another run
+    bool sent = true;  // the first one alone
     for (Question& question : waiting_) {
-        given_up_.push_back({std::move(question.json), fault_answer(why), question.asker});
+        given_up_.push_back({std::move(question.json), fault_answer(sent ? no_answer : why), question.asker});
+        sent = false;
     }
     waiting_.clear();
 }

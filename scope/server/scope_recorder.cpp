@@ -109,7 +109,8 @@ void ScopeRecorder::finish() {
 
 /// Waits until the recording is saved.
 void ScopeRecorder::take_result() {
-    const recordings::RecordingSet::Status& status = finished_.emplace_back(saved_.get());
+    recordings::RecordingSet::Status& status = finished_.emplace_back(saved_.get());
+    status.missing += static_cast<std::int64_t>(missing_);  // those that never came, too
     is_being_saved_ = false;
     text_ = status.failure.empty() ? "saved" : status.failure;
     if (!status.warning.empty()) {
@@ -117,7 +118,7 @@ void ScopeRecorder::take_result() {
         report_(fmt::format("recording {}: {}", status.file, status.warning));
     }
     samples_ = status.samples;
-    missing_ += static_cast<std::uint64_t>(status.missing);
+    missing_ = static_cast<std::uint64_t>(status.missing);
 }
 
 void ScopeRecorder::take(stream::RunReceiver& run, const stream::ReceivedFrame& frame, const Json& meta) {

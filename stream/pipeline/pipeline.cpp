@@ -207,6 +207,7 @@ void Pipeline::release(const Block& block) {
     if (block.epoch.number != options_.epoch.number) {
         enter(block.epoch);
     }
+    demand_.note(block);
     monitor_.count_dropped(block.dropped, demand_);
     frames_.send(block, demand_, monitor_.meters());
     if (recorder_ != nullptr) {

@@ -14,6 +14,7 @@ void TopicDemand::update(const Publisher& publisher, Producer& producer, TapSet 
         taken_.raw |= publisher.taken(topics.raw) ? TapSet(tap) : TapSet();
         taken_.np |= publisher.taken(topics.np) ? TapSet(tap) : TapSet();
     }
+    begun_ = begun_ & asked_.all();
     shed_ = shed;
     const std::uint32_t generation = producer.want((taken_.all() - shed_) | always_);
     for (const Tap tap : asked_.all() - before) {
@@ -27,17 +28,26 @@ TapForms TopicDemand::asked_of(const Block& block) const noexcept {
 }
 
 TapForms TopicDemand::sent_of(const Block& block) const noexcept {
-    const TapSet made = (known_to(block) & block.demand.taps) - shed_;
+    const TapSet made = (known_to(block) & block.demand.taps) - block.missing - shed_;
     return {.raw = taken_.raw & made, .np = taken_.np & made};
 }
 
-/// The asked taps that had a subscriber when the block was made, and were there.
-TapSet TopicDemand::known_to(const Block& block) const noexcept {
-    TapSet known;
+void TopicDemand::note(const Block& block) noexcept {
+    begun_ |= due_in(block) - block.missing;
+}
+
+/// The asked taps that had a subscriber when the block was made.
+TapSet TopicDemand::due_in(const Block& block) const noexcept {
+    TapSet due;
     for (const Tap tap : asked_.all()) {
-        known |= block.demand.generation >= since_[static_cast<std::size_t>(tap)] ? TapSet(tap) : TapSet();
+        due |= block.demand.generation >= since_[static_cast<std::size_t>(tap)] ? TapSet(tap) : TapSet();
     }
-    return known - block.missing;
+    return due;
+}
+
+/// Those of them whose stream has begun.
+TapSet TopicDemand::known_to(const Block& block) const noexcept {
+    return due_in(block) - (block.missing - begun_);
 }
 
 }  // namespace hertzline::stream

@@ -32,6 +32,10 @@ public:
     /// Taps with a subscriber that takes what it is sent.
     TapSet taken() const noexcept { return taken_.all(); }
 
+    /// Notes the taps of a block. Blocks that lack a tap at first, as samples ahead of an array's delayed chains do, are none of its stream;
+    /// a later one that lacks it is not sent, and counted.
+    void note(const Block& block) noexcept;
+
     /// The asked taps that a block was made too early to know of are left out: an older block may hold a tap for a
     /// subscriber that has left, and later blocks may lack it, so it is not sent to a new subscriber.
     TapForms asked_of(const Block& block) const noexcept;
@@ -39,6 +43,7 @@ public:
     TapForms sent_of(const Block& block) const noexcept;
 
 private:
+    TapSet due_in(const Block& block) const noexcept;
     TapSet known_to(const Block& block) const noexcept;
 
     TapSet taps_;
@@ -46,6 +51,7 @@ private:
     TapSet shed_;
     TapForms asked_;
     TapForms taken_;
+    TapSet begun_;                                  ///< asked taps that a block has had
     std::array<std::uint32_t, tap_count> since_{};  // generation of the demand that began it, by tap
 };
 

@@ -12,6 +12,9 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "hertzline/resolve.hpp"
+#include "hertzline/simulation.hpp"
+#include "recordings/columns.hpp"
 #include "recordings/recording_formats.hpp"
 #include "recordings/recording_thread.hpp"
 #include "tests/support/recordings.hpp"
@@ -150,6 +153,41 @@ TEST_F(SlowRecording, GetsACountedGapAndDelaysNobody) {
         ASSERT_EQ(line.substr(0, line.find(',')), line.substr(line.find(',') + 1));
     }
     EXPECT_THAT(told, testing::Contains(HasSubstr("is too slow")));
+}
+
+TEST(RecordingThread, ThatHasNothingToWriteHasProgressed) {
+    const TemporaryFolder folder;
+    RecordingThread thread(open_recording(folder.file("a.csv"), recording_head({"v"}, 1)), 1000);
+    thread.try_write(
+        std::make_shared<RecordedRows>(RecordedRows{.first = 0, .values = {1, 2}, .change = {}}));
+    while (thread.waiting_numbers() > 0) {
+        std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    }
+    EXPECT_TRUE(thread.wait_for_progress(std::chrono::hours(1))) << "it became idle before it was asked";
+    thread.end(RecordingEnd::commit);
+    EXPECT_TRUE(thread.wait_for_end(std::chrono::hours(1)));
+}
+
+TEST(RowBuilder, LeavesAGapForABlockThatLacksATap) {
+    const TemporaryFolder folder;
+    const std::string file = folder.file("a.csv");
+    const std::atomic<bool> stop{false};
+    constexpr TapSet taps = TapSet(Tap::v_out) | Tap::v_last;
+    RecordingSet recordings(std::vector{file}, recording_head({"v_out_m_per_s", "v_last_m_per_s"}, 1),
+                            RecordingPatience::endless(stop), [](const std::string&) {});
+    RowBuilder rows(recordings, taps);
+    Simulation simulation(resolve(Scene{}).scene, {.taps = taps});
+    Samples block = simulation.make_samples(2);
+    for (int i = 0; i < 3; ++i) {
+        ASSERT_EQ(simulation.advance(block, 2), Status::running);
+        block.holds = i == 1 ? TapSet(Tap::v_out) : block.holds;
+        rows.write(block);
+    }
+    recordings.commit();
+    const auto read = test::read_rows(*open_reader(file));
+    ASSERT_EQ(read.size(), 2U);
+    EXPECT_EQ(read[0].first, 0);
+    EXPECT_EQ(read[1].first, 4);
 }
 
 TEST_F(SlowRecording, IsWaitedForWhereNothingMayBeLeftOut) {

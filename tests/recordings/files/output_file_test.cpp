@@ -1,5 +1,6 @@
 #include "recordings/files/output_file.hpp"
 
+#include <csignal>
 #include <fstream>
 #include <sstream>
 #include <stdexcept>
@@ -9,6 +10,7 @@
 #include <fcntl.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/resource.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -222,6 +224,22 @@ TEST_F(OutputFileTest, DirectoryThatVanishedFailsAtCommit) {
     fs::remove_all(gone);
     EXPECT_THROW(out.commit(), std::runtime_error);
     EXPECT_THROW(out.write("x"), std::runtime_error);
+}
+
+TEST_F(OutputFileTest, APartThatWasWrittenIsNotWrittenAgain) {
+    struct rlimit before {};
+    ASSERT_EQ(::getrlimit(RLIMIT_FSIZE, &before), 0);
+    const auto handler = std::signal(SIGXFSZ, SIG_IGN);
+    const fs::path file = directory / "a.bin";
+    OutputFile out(file);
+    const struct rlimit small { 1000, before.rlim_max };
+    ASSERT_EQ(::setrlimit(RLIMIT_FSIZE, &small), 0);
+    out.write(std::string(1500, 'x'));
+    EXPECT_THROW(out.flush(), std::runtime_error);
+    ASSERT_EQ(::setrlimit(RLIMIT_FSIZE, &before), 0);
+    std::signal(SIGXFSZ, handler);
+    EXPECT_THROW(out.flush(), std::runtime_error) << "there is room again";
+    EXPECT_EQ(out.size(), 1000U);
 }
 
 TEST(OutputDevice, FullDiskIsReportedWithPathAndReason) {

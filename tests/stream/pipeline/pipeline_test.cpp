@@ -229,6 +229,38 @@ TEST(Pipeline, AStalledSenderDiscardsFramesAndCountsThem) {
     EXPECT_GT(meters.largest_lateness_s, 0.5);
 }
 
+/// Lacks v_chain in its first blocks, and in some later ones: as the samples ahead of an array's delayed chains do.
+class LacksTheChain : public CountingSource {
+public:
+    using CountingSource::CountingSource;
+    bool read(Samples& samples, std::size_t count, TapSet wanted) noexcept override {
+        const bool more = CountingSource::read(samples, count, wanted);
+        if (const std::int64_t frame = samples.first / 1000; frame < 3 || frame % 10 == 5) {
+            samples.holds = samples.holds - Tap::v_chain;
+        }
+        return more;
+    }
+};
+
+TEST(Pipeline, AFrameThatASourceCannotGiveIsCounted) {
+    LacksTheChain source({.taps = everything,
+                          .counts = {.spheres = 6, .points = 2},
+                          .sample_rate_hz = 1e7,
+                          .frame_samples = 1000});
+    Publisher publisher("tcp://127.0.0.1:*");
+    Listener listener(publisher.endpoint(), {Tap::v_out, Tap::v_chain});
+    subscriptions_until_wanted(publisher, "v_chain/np");
+    const StreamMeters meters =
+        run(options(Pace::flat_out(), 100'000, StreamStart::at_once), source, publisher);
+    listener.join();
+    EXPECT_TRUE(listener.checks[Tap::v_out].gapless());
+    const ContinuityTotals& chain = listener.checks[Tap::v_chain].totals();
+    EXPECT_EQ(chain.frames, 87U);  // of 100; three before the first one are none of its stream
+    EXPECT_EQ(chain.dropped_by_sender, 10U);
+    EXPECT_EQ(chain.lost_on_the_way, 0U);
+    EXPECT_EQ(meters.np(Tap::v_chain).dropped, 10);
+}
+
 TEST(Pipeline, WhatIsDiscardedAtTheVeryEndIsInTheEnd) {
     // 0.2 s long; the sender wakes up long after that
     Stream stream(options(Pace::factor(0.1), 200'000, StreamStart::with_first_subscriber));
