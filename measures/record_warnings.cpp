@@ -92,6 +92,7 @@ std::optional<std::string> peaks_missed(const Scene& scene) {
 /// A burst of the horn that is not over at the end of the run.
 struct CutBurst {
     bool first = false;
+    double begin_s = 0;
     double end_s = 0;
     double enough_s = 0;  ///< a duration that cuts none
 };
@@ -108,7 +109,8 @@ std::optional<CutBurst> cut_burst(const Scene& scene) {
     const bool repeats = scene.drive.repetition_hz > 0;
     const double period_s = 1 / scene.drive.repetition_hz;
     if (duration_s < end_s) {
-        return CutBurst{true, end_s, repeats ? begin_s + period_s : rounded_up(to_ring_down * end_s)};
+        return CutBurst{true, begin_s, end_s,
+                        repeats ? begin_s + period_s : rounded_up(to_ring_down * end_s)};
     }
     if (!repeats || end_s - begin_s > no_pause * period_s) {
         return std::nullopt;
@@ -116,8 +118,8 @@ std::optional<CutBurst> cut_burst(const Scene& scene) {
     const double periods_before_s = std::floor((duration_s - begin_s) / period_s) * period_s;
     const double begun_s = duration_s - periods_before_s - begin_s;
     const bool cut = begun_s > 1 / scene.drive.frequency_hz && begun_s < (1 - 1e-9) * (end_s - begin_s);
-    return cut ? std::optional(
-                     CutBurst{false, periods_before_s + end_s, begin_s + periods_before_s + period_s})
+    return cut ? std::optional(CutBurst{false, periods_before_s + begin_s, periods_before_s + end_s,
+                                        periods_before_s + begin_s + period_s})
                : std::nullopt;
 }
 
@@ -129,13 +131,19 @@ std::vector<std::string> run_warnings(const Scene& scene) {
         return warnings;
     }
     if (const auto cut = cut_burst(scene)) {
-        warnings.push_back(fmt::format(
-            "the run ends at {:g} s, within {} burst, which ends at {:g} s: {}; output.duration_s={:.4g} "
-            "would "
-            "hold {}",
-            scene.output.duration_s, cut->first ? "the" : "a", cut->end_s,
-            cut->first ? "peaks and spectrum are those of its beginning" : "the spectrum has a part of it",
-            cut->enough_s, cut->first ? "the burst" : "whole bursts"));
+        const std::string advice = fmt::format("output.duration_s={:.9g} would hold {}", cut->enough_s,
+                                               cut->first ? "the burst" : "whole bursts");
+        const bool begun = scene.output.duration_s > cut->begin_s;
+        warnings.push_back(
+            begun ? fmt::format("the run ends at {:g} s, within {} burst, which ends at {:g} s: {}; {}",
+                                scene.output.duration_s, cut->first ? "the" : "a", cut->end_s,
+                                cut->first ? "peaks and spectrum are those of its beginning"
+                                           : "the spectrum has a part of it",
+                                advice)
+                  : fmt::format(
+                        "the run ends at {:g} s, before the burst, which begins at {:g} s: the horn does not "
+                        "move; {}",
+                        scene.output.duration_s, cut->begin_s, advice));
     }
     if (const auto found = scene.drive.kind == DriveKind::none ? peaks_missed(scene) : cut_off(scene)) {
         warnings.push_back(*found);

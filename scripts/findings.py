@@ -476,7 +476,8 @@ many modes count, since a point force under a thick plate excites all of them. T
 {levels}
 
 Levels are under the largest harmonic of the same run. In water acrylic suppresses the third harmonic, as in the formula.
-Silicone rubber does not: its pressure is low at all harmonics, and the third is 2 to 12 dB under the largest of them.
+Silicone rubber does not: its pressure is low at all harmonics, and the third is 2 to 12 dB under the largest of them. But all four
+modes of its disc lie below the drive, where the modes that are left out would answer: the runs of this disc say little.
 
 {peaks}
 

@@ -3,6 +3,7 @@
 
 #include <optional>
 
+#include "core/model/horn.hpp"
 #include "hertzline/scene.hpp"
 
 namespace hertzline {
@@ -17,7 +18,11 @@ double first_burst_end_s(const Scene& scene);
 /// that of its velocities on average [Hz].
 double highest_frequency_hz(const Drive& drive);
 
-/// Largest velocity of the horn, 2 pi f A of a tone [m/s]; 0 where there is none.
+/// Largest displacement [m] and velocity [m/s] of a free tip that a tone drives as a resonator, within the burst. Nothing of another
+/// drive, of one at rest, and of bursts of more than 10 000 periods.
+std::optional<HornMotion> tip_peak(const Drive& drive);
+
+/// Largest velocity of the horn: 2 pi f A of a tone, or that of tip_peak() where it is larger [m/s]; 0 where there is none.
 double largest_velocity(const Drive& drive);
 
 /// A horn's tip as a resonator (docs/model.md, section 5): u'' + decay u' + square u = square r - (f_0 - F_0) inv_mass. A record is its free

@@ -29,6 +29,9 @@ constexpr double beyond_cut_off = 2;      // drive over the chain's highest freq
 constexpr double shortest_in_thin = 1.5;  // k_b h of a mode
 constexpr double shortest_in_thick = 3;   // the same with shear and rotary inertia
 constexpr double largest_mass_ka = 0.5;   // of a fluid that is taken for a mass
+constexpr double most_shear = 0.012;      // D/(S_h a^2) of a thin plate: that of aluminium at thickest_disc
+constexpr double widest_contact = 0.3;  // radius of a contact over the thickness of the layer that it touches
+constexpr double damped_diameter_m = 1e-3;  // of the spheres for which the paper gives its dashpot
 
 /// Two digits.
 std::string briefly(double value) {
@@ -157,11 +160,37 @@ void add_modes(const Scene& scene, const PlateResponse& plate, std::vector<std::
             break;  // higher ones are worse
         }
     }
-    const double ka = 2 * std::numbers::pi * frequencies_of(scene.drive)[1] * scene.end.radius_m /
-                      plate.parameters.fluid.sound_speed_m_per_s;
+    const bool driven = scene.drive.kind != DriveKind::none;
+    const double highest_hz = driven ? highest_frequency_hz(scene.drive) : fastest_contact_hz(scene);
+    if (driven && plate.modes.back().wet_hz < highest_hz) {
+        warnings.push_back("the highest mode of the disc (end.modes) has " +
+                           briefly(plate.modes.back().wet_hz) + " Hz in the fluid, below the drive's " +
+                           briefly(highest_hz) + " Hz: modes that would answer there are left out");
+    }
+    const double ka =
+        2 * std::numbers::pi * highest_hz * scene.end.radius_m / plate.parameters.fluid.sound_speed_m_per_s;
     if (scene.medium.load == FluidLoad::added_mass && ka > largest_mass_ka) {
         warnings.push_back("medium.load is \"added_mass\" with k a = " + briefly(ka) +
-                           " at the drive's frequency; above 0.5 the fluid radiates more than it weighs");
+                           (driven ? " at the drive's frequency" : " at the frequency of the contacts") +
+                           "; above 0.5 the fluid radiates more than it weighs");
+    }
+}
+
+/// A contact that reaches through the layer that it touches. Its radius is that of the rest, or of a last sphere as fast as the horn.
+void add_touched_layer(const Scene& scene, const Chain& chain, std::vector<std::string>& warnings) {
+    const std::vector<Layer> layers = layers_of(scene);
+    const Eigen::Index last = chain.spheres();
+    const Sphere sphere = SphereRow(scene).last();
+    const double velocity =
+        std::max(largest_velocity(scene.drive), std::abs(scene.chain.impact_velocity_m_per_s));
+    // (2/5) k d^(5/2) = m v^2/2
+    const double of_impact =
+        std::pow(1.25 * sphere.mass_kg * velocity * velocity / chain.stiffness[last], 0.4);
+    const double radius_m = std::sqrt(sphere.radius_m * std::max(of_impact, chain.static_overlap[last]));
+    if (layers.size() > 1 && radius_m > widest_contact * layers.front().thickness_m) {
+        warnings.push_back("the last sphere's contact has a radius of about " + briefly(radius_m) +
+                           " m, on a layer of " + briefly(layers.front().thickness_m) +
+                           " m (end.thicknesses_m); Hertz's law takes that layer for a half-space");
     }
 }
 
@@ -169,8 +198,10 @@ void add_plate(const Scene& scene, const Chain& chain, std::vector<std::string>&
     if (scene.end.kind != EndKind::plate) {
         return;
     }
-    const double thickness = laminate(layers_of(scene)).section.thickness_m;
-    const double ratio = thickness / scene.end.radius_m;
+    const PlateSection section = laminate(layers_of(scene)).section;
+    const double ratio = section.thickness_m / scene.end.radius_m;
+    const double shear =
+        section.bending_n_m / (section.shear_n_per_m * scene.end.radius_m * scene.end.radius_m);
     const bool modal = scene.end.model == PlateModel::modal;
     const bool by_theory = modal ? scene.end.theory == PlateTheory::thin : !scene.end.stiffness_n_per_m;
     if (ratio > thickest_disc && by_theory) {
@@ -178,7 +209,13 @@ void add_plate(const Scene& scene, const Chain& chain, std::vector<std::string>&
                            " of its radius; above 0.2 it is no thin plate, and its stiffness and frequency "
                            "are overestimated" +
                            (modal ? std::string(remedy) : ""));
+    } else if (shear > most_shear && by_theory && layers_of(scene).size() > 1) {
+        warnings.push_back(
+            "the disc's layers shear: D/(S_h a^2) is " + briefly(shear) +
+            "; above 0.012 it is no thin plate, and its stiffness and frequency are overestimated" +
+            (modal ? std::string(remedy) : ""));
     }
+    add_touched_layer(scene, chain, warnings);
     if (chain.end.plate) {
         add_modes(scene, *chain.end.plate, warnings);
     }
@@ -228,6 +265,10 @@ void add_record(const Scene& scene, std::vector<std::string>& warnings) {
                            " of its largest displacement, and the horn stays there; a drift of the "
                            "instrument, which its ends do not show, has to be taken off first");
     }
+    if (scene.numerics.rest_tolerance != 0 && record.end_displacement_m > 0) {
+        warnings.emplace_back(
+            "numerics.rest_tolerance has no effect with a record that does not end where it began");
+    }
     constexpr double fewest = 7;  // samples in a period of a spline of degree 7 that errs by 1e-6
     if (const double samples = *drive.sample_rate_hz / record.mean_frequency_hz;
         samples < fewest && record.largest_velocity > 0) {
@@ -240,6 +281,43 @@ void add_record(const Scene& scene, std::vector<std::string>& warnings) {
                                   record.largest_displacement_m, record.largest_displacement_m >= 1e-3, "m",
                                   "micrometres (drive.scale), or a velocity (drive.quantity),"}},
         warnings);
+}
+
+/// A dashpot of the paper's spheres on others.
+void add_damping(const Scene& scene, std::vector<std::string>& warnings) {
+    const Scene paper;
+    if (scene.chain.damping_law != DampingLaw::dashpot ||
+        scene.chain.damping_kg_per_s != paper.chain.damping_kg_per_s) {
+        return;
+    }
+    const std::vector<std::string> materials = sphere_materials(scene);
+    const SphereRow row(scene);
+    std::optional<double> other_m;
+    for (Eigen::Index i = 0; i < row.distinct() && !other_m; ++i) {
+        const double diameter_m = 2 * row[i].radius_m;
+        constexpr double noticed = 0.25;
+        if (std::abs(diameter_m / damped_diameter_m - 1) > noticed) {
+            other_m = diameter_m;
+        }
+    }
+    if (materials != std::vector{paper.chain.material} || other_m) {
+        warnings.push_back("chain.damping_kg_per_s is " + number_text(scene.chain.damping_kg_per_s) +
+                           ", which the paper gives for spheres of 1 mm of " + paper.chain.material +
+                           "; the spheres are of " + enumeration(materials) +
+                           (other_m ? ", with a diameter of " + briefly(*other_m) + " m" : "") +
+                           " (docs/model.md, section 3, \"Other spheres\")");
+    }
+}
+
+/// A tip that goes further than its steady state, or does not reach it.
+void add_resonator(const Drive& drive, std::vector<std::string>& warnings) {
+    const auto peak = tip_peak(drive);
+    constexpr double noticed = 0.2;
+    if (peak && std::abs(peak->x / drive.amplitude_m - 1) > noticed) {
+        warnings.push_back("the horn's tip moves by " + briefly(peak->x) + " m within the burst, " +
+                           briefly(peak->x / drive.amplitude_m) +
+                           " of drive.amplitude_m, which is that of the steady state");
+    }
 }
 
 /// When the wave of the horn, or of the spheres that start with a velocity, can reach the end of the chain: none is faster than a long
@@ -398,15 +476,8 @@ std::vector<std::string> validity_warnings(const Scene& scene, const Chain& chai
     if (auto unjudged = unjudged_contacts(scene)) {
         warnings.push_back(*std::move(unjudged));
     }
-    const Scene paper;
-    const std::vector<std::string> materials = sphere_materials(scene);
-    if (scene.chain.damping_law == DampingLaw::dashpot &&
-        scene.chain.damping_kg_per_s == paper.chain.damping_kg_per_s &&
-        materials != std::vector{paper.chain.material}) {
-        warnings.push_back("chain.damping_kg_per_s is " + number_text(scene.chain.damping_kg_per_s) +
-                           ", which the paper gives for " + paper.chain.material + "; the spheres are of " +
-                           enumeration(materials) + " (docs/model.md, section 3, \"Other spheres\")");
-    }
+    add_damping(scene, warnings);
+    add_resonator(scene.drive, warnings);
     return warnings;
 }
 

@@ -51,7 +51,8 @@ void visit_scene(AnyScene& scene, const Visit& visit) {
                      {.needs = tone}});
         row(amplitude_m, {"amplitude_m",
                           {0, 1, "m"},
-                          "largest displacement of the horn's tip; of a live drive, the one to be expected",
+                          "largest displacement of the horn's tip; of a resonator, in the steady state; of a "
+                          "live drive, the one to be expected",
                           {.needs = tone}});
         row(envelope, {"envelope", {}, "how the burst rises and falls", {.needs = tone}});
         row(taper, {"taper", {0, 1}, "fraction of a tukey burst spent rising and falling", {.needs = tukey}});
@@ -268,10 +269,11 @@ void visit_scene(AnyScene& scene, const Visit& visit) {
                   "where the discs of [several chains](#arrays) stand in one baffle",
                   {.unset = "one chain", .needs = modal, .most_entries = max_elements}});
         row(y_m, {"y_m", {-10, 10, "m"}, "the same", {.needs = modal, .most_entries = max_elements}});
-        row(delays_s, {"delays_s",
-                       {0, 1, "s"},
-                       "of the elements' drives, beside `drive.start_s`; an entry for each element, or one",
-                       {.unset = "0", .needs = horn, .most_entries = max_elements}});
+        row(delays_s,
+            {"delays_s",
+             {0, 1, "s"},
+             "of the elements' drives, added to `drive.start_s`; one entry for each element, or one for all",
+             {.unset = "0", .needs = horn, .most_entries = max_elements}});
         row(preloads_n, {"preloads_n",
                          {0, 1e9, "N"},
                          "of the elements, in place of `chain.preload_n`",

@@ -51,11 +51,12 @@ void warn_of_unused_numbers(const Scene& scene, std::vector<std::string>& warnin
     if (chain.preload_tolerance != 0 && !preloaded) {
         warnings.emplace_back("chain.preload_tolerance has no effect without chain.preload_n");
     }
-    if (scene.drive.horn == HornModel::resonator && scene.drive.kind == DriveKind::file &&
-        scene.drive.horn_mass_kg == 0) {
+    const bool sampled = scene.drive.kind == DriveKind::file || scene.drive.kind == DriveKind::live;
+    if (scene.drive.horn == HornModel::resonator && sampled && scene.drive.horn_mass_kg == 0) {
         warnings.emplace_back(
-            "drive.horn = \"resonator\" has no effect with a record, which is the tip's free motion, and a "
-            "drive.horn_mass_kg of 0, on which the chain does not act");
+            "drive.horn = \"resonator\" has no effect with recorded or live samples, which are the tip's "
+            "free "
+            "motion, and a drive.horn_mass_kg of 0, on which the chain does not act");
     }
     if (scene.numerics.rest_tolerance != 0) {
         const bool resonates =

@@ -165,6 +165,26 @@ TEST(RecordWarnings, ARunThatEndsWithinTheBurstIsTold) {
                                            HasSubstr("output.duration_s=0.00015"))));
 }
 
+TEST(RecordWarnings, TheDurationThatIsAdvisedHoldsWholeBursts) {
+    Scene scene = short_burst();
+    scene.drive.cycles = 10;
+    scene.drive.repetition_hz = 3000;
+    scene.output.duration_s = 0.1264;
+    const auto warned = run_warnings(scene);
+    ASSERT_THAT(warned, ElementsAre(HasSubstr("within a burst")));
+    const std::string advice = warned[0].substr(warned[0].find("duration_s=") + 11);
+    scene.output.duration_s = std::stod(advice);
+    EXPECT_THAT(run_warnings(scene), IsEmpty()) << advice;
+}
+
+TEST(RecordWarnings, ARunThatEndsBeforeTheBurstIsTold) {
+    Scene scene = short_burst();
+    scene.drive.start_s = 1e-3;
+    EXPECT_THAT(record_warnings(scene, std::vector<double>(5000)),
+                ElementsAre(testing::AllOf(HasSubstr("before the burst, which begins at 0.001 s"),
+                                           HasSubstr("output.duration_s=0.0017 would hold the burst"))));
+}
+
 TEST(RecordWarnings, ARunThatEndsJustAfterTheBurstIsTold) {
     Scene scene = short_burst();
     scene.output.duration_s = 110e-6;

@@ -100,6 +100,7 @@ TEST(Validity, ARecordThatEndsAwayFromItsBeginningIsNoticed) {
             s.drive.kind = DriveKind::file;
             s.drive.file = "horn.csv";
             s.drive.sample_rate_hz = 10e6;
+            s.numerics.rest_tolerance = 1e-3;
             for (int i = 0; i <= 400; ++i) {
                 const double t = i / 400.0;
                 const double bump = 0.5 * (1 - std::cos(2 * std::numbers::pi * t));
@@ -110,6 +111,9 @@ TEST(Validity, ARecordThatEndsAwayFromItsBeginningIsNoticed) {
     const auto noticed = HasSubstr("of its largest displacement, and the horn stays there");
     EXPECT_THAT(warnings_of(0.01), testing::Not(testing::Contains(noticed)));
     EXPECT_THAT(warnings_of(0.1), testing::Contains(noticed));
+    const auto awake = testing::Contains(HasSubstr("rest_tolerance has no effect"));
+    EXPECT_THAT(warnings_of(0.1), awake);
+    EXPECT_THAT(warnings_of(0), testing::Not(awake));
 }
 
 TEST(Validity, ADriveThatTheChainDoesNotPassOnIsNoticed) {
@@ -150,6 +154,76 @@ TEST(Validity, ModesWithShortWavesAreNoticed) {
                 IsEmpty());
 }
 
+TEST(Validity, ModesThatAllLieBelowTheDriveAreNoticed) {
+    const auto noticed = Contains(HasSubstr("below the drive's 7.3e+04 Hz"));
+    const auto modal = [](const std::string& material, std::int64_t modes) {
+        return warnings_after([&](Scene& s) {
+            s.end.model = PlateModel::modal;
+            s.end.material = material;
+            s.end.modes = modes;
+        });
+    };
+    EXPECT_THAT(modal("silicone_rubber", 4), noticed);  // 37.1 kHz dry
+    EXPECT_THAT(modal("vitreous_carbon", 4), IsEmpty());
+    EXPECT_THAT(modal("vitreous_carbon", 1), noticed);  // 46.1 kHz dry
+}
+
+TEST(Validity, LayersThatShearAreNoticed) {
+    const auto sandwich = [](double core_m, double radius_m) {
+        return warnings_after([&](Scene& s) {
+            s.end.materials = {"aluminium", "acrylic", "aluminium"};
+            s.end.thicknesses_m = {0.2e-3, core_m, 0.2e-3};
+            s.end.radius_m = radius_m;
+        });
+    };
+    // D/(S_h a^2) of the laminate's integrals, docs/model.md, section 4
+    EXPECT_THAT(sandwich(0.2e-3, 5e-3), ElementsAre(HasSubstr("D/(S_h a^2) is 0.064")));
+    EXPECT_THAT(sandwich(0.2e-3, 12e-3), IsEmpty());  // 0.011
+}
+
+TEST(Validity, AContactThatReachesThroughItsLayerIsNoticed) {
+    const auto film = [](double thickness_m) {
+        return warnings_after([&](Scene& s) {
+            s.end.materials = {"acrylic", "aluminium"};
+            s.end.thicknesses_m = {thickness_m, 0.5e-3};
+        });
+    };
+    const auto noticed = Contains(HasSubstr("takes that layer for a half-space"));
+    EXPECT_THAT(film(5e-6), noticed);
+    EXPECT_THAT(film(0.5e-3), testing::Not(noticed));
+    const auto stiff = [](double thickness_m) {
+        return warnings_after([&](Scene& s) {
+            s.end.materials = {"acrylic"};
+            s.end.thicknesses_m = {thickness_m};
+        });
+    };
+    EXPECT_THAT(stiff(50e-6), testing::Not(noticed)) << "there is no other layer";
+}
+
+TEST(Validity, TheDashpotOfThePaperIsForItsSpheres) {
+    const auto with_diameter = [](double diameter_m) {
+        return warnings_after([&](Scene& s) { s.chain.diameter_m = diameter_m; });
+    };
+    EXPECT_THAT(with_diameter(4e-3), ElementsAre(HasSubstr("aluminium, with a diameter of 0.004 m (docs")));
+    EXPECT_THAT(with_diameter(1.2e-3), IsEmpty());
+    EXPECT_THAT(warnings_after([](Scene& s) { s.chain.taper = 0.3; }),
+                ElementsAre(HasSubstr("with a diameter of")));
+}
+
+TEST(Validity, ATipThatMissesItsSteadyStateIsNoticed) {
+    const auto resonator = [](double quality, double cycles) {
+        return warnings_after([&](Scene& s) {
+            s.drive.horn = HornModel::resonator;
+            s.drive.horn_quality = quality;
+            s.drive.cycles = cycles;
+            s.drive.envelope = Envelope::rectangular;
+        });
+    };
+    EXPECT_THAT(resonator(100, 25),
+                ElementsAre(HasSubstr("0.54 of drive.amplitude_m")));  // 1 - exp(-pi 25/100)
+    EXPECT_THAT(resonator(20, 25), IsEmpty());
+}
+
 TEST(Validity, AFluidThatIsNoMassIsNoticed) {
     EXPECT_THAT(warnings_after([](Scene& s) {
                     s.end.model = PlateModel::modal;
@@ -169,6 +243,13 @@ TEST(Validity, AFluidThatIsNoMassIsNoticed) {
                     s.drive.sweep_to_hz = 73e3;
                 }),
                 ElementsAre(HasSubstr("k a = 1.5")));
+    EXPECT_THAT(warnings_after([](Scene& s) {
+                    s.end.model = PlateModel::modal;
+                    s.medium.load = FluidLoad::added_mass;
+                    s.drive.kind = DriveKind::none;
+                    s.chain.impact_velocity_m_per_s = 1;
+                }),
+                ElementsAre(HasSubstr("at the frequency of the contacts")));
 }
 
 TEST(Validity, ADiscThatSagsIsNoticed) {
@@ -204,7 +285,7 @@ TEST(Validity, ADeepContactIsNoticedAtRestAndInMotion) {
 TEST(Validity, DampingOfAnotherMaterialIsNoticed) {
     EXPECT_THAT(
         warnings_after([](Scene& s) { s.chain.material = "steel"; }),
-        ElementsAre(HasSubstr("the paper gives for aluminium; the spheres are of steel (docs/model.md, "
+        ElementsAre(HasSubstr("for spheres of 1 mm of aluminium; the spheres are of steel (docs/model.md, "
                               "section 3, \"Other spheres\")")));
     EXPECT_THAT(warnings_after([](Scene& s) {
                     s.chain.material = "steel";

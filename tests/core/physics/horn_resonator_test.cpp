@@ -188,6 +188,40 @@ TEST(HornResonator, TheForceOnTheHornMovesIt) {
     EXPECT_NEAR(f.front(), scene.chain.preload_n, 1e-15);
 }
 
+TEST(HornResonator, TheFreeTipHasItsPeak) {
+    Drive drive;
+    drive.horn = HornModel::resonator;
+    drive.envelope = Envelope::rectangular;
+    drive.horn_quality = 100;
+    drive.cycles = 40;
+    // at resonance the amplitude grows as 1 - exp(-w t/(2 Q)), to first order in 1/Q
+    const double grown = 1 - std::exp(-std::numbers::pi * drive.cycles / drive.horn_quality);
+    const double omega = 2 * std::numbers::pi * drive.frequency_hz;
+    ASSERT_TRUE(tip_peak(drive));
+    EXPECT_NEAR(tip_peak(drive)->x / drive.amplitude_m, grown, 0.01);
+    EXPECT_NEAR(tip_peak(drive)->v / (omega * drive.amplitude_m), grown, 0.01);
+    EXPECT_EQ(largest_velocity(drive), omega * drive.amplitude_m) << "of the steady state";
+    drive.horn_quality = 2;
+    EXPECT_NEAR(tip_peak(drive)->x / drive.amplitude_m, 1, 0.01);
+    // a sweep passes the resonance, while the amplitude is that at 60 kHz
+    drive.horn_quality = 100;
+    drive.envelope = Envelope::hann;
+    drive.cycles = 100;
+    drive.horn_frequency_hz = drive.frequency_hz;
+    drive.frequency_hz = 60e3;
+    drive.sweep_to_hz = 86e3;
+    const double peak = tip_peak(drive)->x;
+    EXPECT_NEAR(peak / drive.amplitude_m, 14.7, 0.1);  // of an independent integration
+    EXPECT_GT(largest_velocity(drive), 10 * omega * drive.amplitude_m);
+    drive.start_s = 1e-3;
+    drive.repetition_hz = 100;
+    EXPECT_EQ(tip_peak(drive)->x, peak);
+    drive.cycles = 1e6;
+    EXPECT_FALSE(tip_peak(drive));
+    drive.horn = HornModel::prescribed;
+    EXPECT_FALSE(tip_peak(drive));
+}
+
 TEST(HornResonator, GridsRefuseIt) {
     Scene scene = resonator(1e-3);
     scene.numerics.integrator = Integrator::leapfrog;
