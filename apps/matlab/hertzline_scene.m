@@ -9,6 +9,7 @@ function values = hertzline_scene(scene, varargin)
 %   keyword of the language, so its section is xEnd, the name that jsondecode gives it. A key is a field of its section, in
 %   the SI unit that its name tells: s.xEnd.thickness_m [m]. [] means that the scene does not give it: the program
 %   chooses (numerics.step_s) or does without. A list is a column, a list of points a matrix [point x 3], a list of names a cell.
+%   With a record (drive.file) s.drive.frequency_hz = [] lets the record's strongest line be the frequency.
 %   Names of materials of your own are fields, too (s.materials.clay): letters, digits and _.
 %
 %   Errors: 'hertzline:wrongUse' names every fault, a line each; 'hertzline:notFound'.

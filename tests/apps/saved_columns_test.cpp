@@ -100,6 +100,9 @@ TEST(SavedColumns, AWavThatAudioProgramsWouldCutIsWarnedOfOnceAndScales) {
     EXPECT_THAT(run("a.wav", {}), testing::ContainsRegex(
                                       "warning: recording .*a.wav: v_last_m_per_s reaches 1[.][0-9]+, beyond "
                                       "the full scale of 1, .*--wav-scale"));
+    const Outcome in_json = hertzline({"run", "paper-wall", "-o", folder.file("a.wav"), "--set",
+                                       "drive.amplitude_m=4e-6", "--columns", "v_last", "--json"});
+    EXPECT_THAT(in_json.out, HasSubstr("beyond the full scale of 1")) << "among its warnings";
     const std::string quiet = run("b.wav", {"--wav-scale", "2", "-o", folder.file("b.csv")});
     EXPECT_THAT(quiet, testing::Not(HasSubstr("full scale")));
     EXPECT_EQ(column(folder.file("b.wav"), "v_last_m_per_s"),

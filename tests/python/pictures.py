@@ -266,6 +266,17 @@ class Pictures(InAFolder):
         recordings, looked_at = sweeps.waveform_recordings(tables.read_sweep(path), path, "f_last")
         self.assertEqual(([recording.drives for recording, _ in recordings], looked_at), ([[40e3], [80e3], [160e3]], 3))
 
+    def test_waveforms_of_swept_records_have_the_drive_of_their_record(self):
+        from hertzline._draw import sweeps, tables
+        for name, cycles in (("a", 40e3), ("b", 160e3)):
+            program("run", "paper-wall", "--set", f"drive.frequency_hz={cycles}", "--columns", "v_horn", "-o", self.folder / f"{name}.csv")
+        path = str(self.folder / "s.h5")
+        program("sweep", "paper-wall", "--set", "drive.kind=file", "--vary", f"drive.file={self.folder}/a.csv,{self.folder}/b.csv",
+                "--waveforms", "f_last", "-o", path)
+        recordings, _ = sweeps.waveform_recordings(tables.read_sweep(path), path, "f_last")
+        for (recording, _), frequency in zip(recordings, (40e3, 160e3)):
+            self.assertLess(abs(recording.drives[0] / frequency - 1), 0.02)
+
     def test_waveforms_of_a_sweep_tell_of_points_without_samples(self):
         from hertzline._draw import sweeps, tables
         path = str(self.folder / "s.h5")

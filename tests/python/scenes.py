@@ -83,6 +83,13 @@ class Scenes(InAFolder):
             self.assertEqual(second["drive.sample_rate_hz"], 5e6)
         self.assertEqual(hertzline.scene(first, drive={"file": None}), first)
 
+    def test_a_record_is_read_as_the_scene_says_that_waits_for_it(self):
+        x = 3 * np.sin(2 * np.pi * 50e3 * np.arange(2001) / 10e6) ** 3
+        np.savetxt(self.folder / "horn.csv", x, header="x", comments="")
+        waits = hertzline.scene("paper-wall", drive={"kind": "file", "scale": 1e-6, "sample_rate_hz": 10e6, "frequency_hz": 80e3})
+        read = hertzline.scene(waits, drive={"file": self.folder / "horn.csv"})
+        self.assertEqual((read["drive.scale"], read["drive.sample_rate_hz"], read["drive.frequency_hz"]), (1e-6, 10e6, 80e3))
+
     def test_lists_may_be_columns_of_other_packages(self):
         t = np.arange(200) / 10e6
         x = 1e-6 * np.sin(2 * np.pi * 70e3 * t)
@@ -172,6 +179,8 @@ class Scenes(InAFolder):
         self.assertRegex(found.pop("warnings")[0], "contacts press harder than their materials bear: .*aluminium yields")
         self.assertEqual(found, {key: said[key] for key in found})
         self.assertGreater(len(found), 30)
+        warnings = hertzline.scene("paper-vitreous-carbon", output={"duration_s": 1e-5}).check()["warnings"]
+        self.assertTrue(any("the wave needs about" in warning for warning in warnings), warnings)
 
     def test_a_live_scene_is_checked_and_not_run(self):
         said = json.loads(program("check", "paper-wall", "--set", "drive.kind=live", "--json"))

@@ -52,6 +52,10 @@ class Searches(InAFolder):
         self.assertEqual(found.best_scene["drive.cycles"], 3)
         self.assertEqual(found.table.units["peak_v_out_m_per_s"], "m/s")
         self.assertEqual(found.scene, short_scene())
+        best = found.best["chain.preload_n"]
+        found.table.sort(order="peak_v_out_m_per_s")
+        self.assertEqual(found.best["point"], found.summary["best"]["point"])
+        self.assertEqual(found.best_scene["chain.preload_n"], best)
 
     def test_a_list_of_numbers_is_a_list_of_the_program(self):
         values = np.geomspace(0.01, 1, 30)

@@ -256,6 +256,8 @@ Exit run(const RunOptions& options) {
     }
     run.recordings = recordings::recordings_json(recordings.status());
     measure(run, options.band_from_hz);
+    const std::vector<std::string> of_files = recordings.warnings();  // which stderr has had
+    run.warnings.insert(run.warnings.end(), of_files.begin(), of_files.end());
     print_run(run, session, options.format);
     return recordings.complete() && saved ? Exit::done : Exit::failed;
 }

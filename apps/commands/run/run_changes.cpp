@@ -154,17 +154,24 @@ std::optional<std::vector<stream::SceneChange>> recorded_changes(const Json& pro
     return faults.value_of(origin, stream::changes_in(provenance.value("changes", Json::array())));
 }
 
+/// Warns on stderr, and in the JSON of the summary.
+void tell(Warnings& warnings, const std::string& origin, const std::string& text) {
+    spdlog::warn("{}: {}", origin, text);
+    warnings.push_back(text);
+}
+
 /// Returns how many samples of a recording are simulated again, and warns of those that are not.
-std::int64_t samples_again(std::int64_t last_sample, const Json& provenance, const std::string& origin) {
+std::int64_t samples_again(std::int64_t last_sample, const Json& provenance, const std::string& origin,
+                           Warnings& warnings) {
     const auto known = OutsideJson(provenance).count("changes_until_sample");
     if (!known || *known > last_sample) {
         return last_sample + 1;
     }
-    spdlog::warn(
-        "{}: it was cut off; changes from sample {} on are not known, so the {} samples from there on are "
-        "not "
-        "simulated again",
-        origin, *known, last_sample + 1 - *known);
+    tell(warnings, origin,
+         fmt::format(
+             "it was cut off; changes from sample {} on are not known, so the {} samples from there on "
+             "are not simulated again",
+             *known, last_sample + 1 - *known));
     return std::max<std::int64_t>(1, *known);
 }
 
@@ -260,12 +267,13 @@ std::int64_t last_sample(recordings::RecordingReader& reader) {
 }
 
 /// Warns of another version or instruction set: the same bits need the same instructions.
-void warn_of_differences(const Json& provenance, const std::string& origin) {
+void warn_of_differences(const Json& provenance, const std::string& origin, Warnings& warnings) {
     const auto differs = [&](const char* key, const std::string& here) {
         const std::string there = provenance.value(key, here);
         if (there != here) {
-            spdlog::warn("{}: recorded with {} {}, here it is {}: the samples may differ in their last bits",
-                         origin, key, printable(there), here);
+            tell(warnings, origin,
+                 fmt::format("recorded with {} {}, here it is {}: the samples may differ in their last bits",
+                             key, printable(there), here));
         }
     };
     differs("simd_target", kernels::kernel_target());
@@ -304,8 +312,8 @@ std::optional<Session> session_of_recording(const SceneRequest& request, Faults&
             "found a live drive without its samples, allowed: a recording of hertzline stream --record");
         return std::nullopt;
     }
-    warn_of_differences(provenance, origin);
-    std::int64_t samples = samples_again(last_sample(*reader), provenance, origin);
+    warn_of_differences(provenance, origin, session.warnings);
+    std::int64_t samples = samples_again(last_sample(*reader), provenance, origin, session.warnings);
     const bool streamed = OutsideJson(provenance).at("run").is_string();  // without an end that was known
     const std::optional<double> run_s = streamed ? std::nullopt : std::optional(scene->output.duration_s);
     session.resolved = resolved_again(*scene, provenance, run_s);
@@ -321,14 +329,15 @@ std::optional<Session> session_of_recording(const SceneRequest& request, Faults&
             fs::path(request.scene).parent_path() / *drive.file, session.resolved.scene,
             OutsideJson(provenance).text("run"));
         if (session.drive->output_samples() < samples) {
-            spdlog::warn("{}: the input in {} ends early: the first {} of {} samples are simulated again",
-                         origin, printable(*drive.file), session.drive->output_samples(), samples);
+            tell(session.warnings, origin,
+                 fmt::format("the input in {} ends early: the first {} of {} samples are simulated again",
+                             printable(*drive.file), session.drive->output_samples(), samples));
             samples = session.drive->output_samples();
         }
     }
     while (!session.changes.empty() && session.changes.back().sample >= samples) {
-        spdlog::warn("{}: it ends before its change from sample {} on", origin,
-                     session.changes.back().sample);
+        tell(session.warnings, origin,
+             fmt::format("it ends before its change from sample {} on", session.changes.back().sample));
         session.changes.pop_back();
     }
     auto whole = with_steps(std::move(session), *scene, samples, origin, faults);

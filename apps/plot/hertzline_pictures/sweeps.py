@@ -181,9 +181,9 @@ def measure_of(sweep):
 
 def draw_course(axes, sweep, kept):
     """The best so far, evaluation by evaluation."""
-    y = sweep.columns[measure_of(sweep)]
+    order = np.argsort(sweep.columns["point"], kind="stable")  # a table may be sorted
+    y, points, kept = sweep.columns[measure_of(sweep)][order], sweep.columns["point"][order], kept[order]
     best = (np.fmax if "maximise" in sweep.search else np.fmin).accumulate(np.where(kept, y, np.nan))
-    points = sweep.columns["point"]
     axes.plot(points[kept], y[kept], ".", color="#0b6e8a", ms=3, alpha=0.5)
     axes.step(points, best, where="post", color="#0b6e8a", lw=1.2)
     axes.set_xlabel("evaluation")

@@ -163,6 +163,9 @@ def read_waveforms(path, name):
             return table[key] if key in table.dtype.names else np.full(len(table), otherwise)
 
         rates = of_points("output.sample_rate_hz", provenance["scene"]["output"]["sample_rate_hz"])
-        drives = of_points("drive.frequency_hz", next(iter(drives_of({"provenance": provenance})), np.nan))
+        if provenance.get("records") and not provenance.get("frequency_given"):  # each record has its own
+            drives = of_points("fundamental_hz", np.nan)
+        else:
+            drives = of_points("drive.frequency_hz", next(iter(drives_of({"provenance": provenance})), np.nan))
         chosen = np.unique(np.linspace(0, len(table) - 1, min(len(table), MAX_WAVEFORMS)).astype(int))
         return samples[list(chosen)], samples.attrs.get("units", ""), rates[chosen], drives[chosen], chosen

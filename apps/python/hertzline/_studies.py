@@ -323,7 +323,7 @@ class SearchResult:
     def best(self) -> Any:
         """The row of the best point; None when no point keeps to the bounds."""
         point = self.table.provenance["search"]["best_point"]
-        return None if point is None else self.table[point]
+        return None if point is None else self.table[np.flatnonzero(self.table["point"] == point)[0]]
 
     @property
     def best_scene(self) -> Scene:

@@ -11,6 +11,7 @@
 #include "apps/python/native/module.hpp"
 #include "apps/python/native/python_values.hpp"
 #include "core/model/drive.hpp"
+#include "core/model/validity.hpp"
 #include "core/scene/json.hpp"
 #include "core/scene/scene_json.hpp"
 #include "core/scene/scene_key.hpp"
@@ -45,7 +46,14 @@ std::shared_ptr<SceneObject> parse(const std::string& text, const std::string& o
     const auto sets = [&](std::string_view key) {
         return std::ranges::any_of(settings, [&](const std::string& one) { return one.starts_with(key); });
     };
-    if (sets("drive.file=") && !sets("drive.file=null")) {  // in place of the record that the scene holds
+    Drive before;
+    if (sets("drive.file=")) {
+        if (const auto base = parse_scene(text, origin, {})) {
+            before = base->scene.drive;
+        }
+    }
+    const bool holds_record = !before.samples.empty();
+    if (holds_record && !sets("drive.file=null")) {  // another one takes its place
         for (const char* of_record :
              {"drive.samples=", "drive.sample_rate_hz=", "drive.quantity=", "drive.scale="}) {
             if (!sets(of_record)) {
@@ -58,7 +66,9 @@ std::shared_ptr<SceneObject> parse(const std::string& text, const std::string& o
         if (!parsed || (!sets("drive.samples=") && !sets("drive.file="))) {
             return parsed;
         }
-        if (!sets("drive.frequency_hz=")) {
+        const bool for_a_record =
+            before.kind == DriveKind::file && !holds_record && before.frequency_hz != Drive{}.frequency_hz;
+        if (!sets("drive.frequency_hz=") && !for_a_record) {
             parsed->places.erase("drive.frequency_hz");  // of the drive before
         }
         if (auto fault = read_drive(*parsed, warn)) {
@@ -82,6 +92,10 @@ py::object check(SceneObject& object) {
             measures::peak_overlaps(scene, std::min(scene.output.duration_s, measures::first_burst_s(scene)));
         report = measures::scene_report(*resolved, peaks);
         std::ranges::move(measures::contact_warnings(scene, peaks), std::back_inserter(warnings));
+        if (auto late = late_wave_warning(scene)) {
+            warnings.push_back(*std::move(late));
+        }
+        std::ranges::move(late_sound_warnings(scene), std::back_inserter(warnings));
     });
     Json json = measures::report_json(report);
     json["scene_hash"] = scene_hash(scene);
