@@ -17,6 +17,7 @@
 #include "stream/control/control_client.hpp"
 #include "tests/apps/program.hpp"
 #include "tests/apps/simulated_again.hpp"
+#include "tests/support/files.hpp"
 #include "tests/support/sanitized.hpp"
 
 namespace hertzline::test {
@@ -298,9 +299,22 @@ TEST(Control, AKilledSessionIsSimulatedAgainAsFarAsItsChangesAreKnown) {
         ASSERT_EQ(stream.ask({{"set", {{"drive.cycles", 3 + 0.1 * change}}}})["epoch"], change);
     }
     stream.program.messages_with("epoch 30 from sample");
+    const auto partial = [&] {
+        return std::vector<std::filesystem::directory_entry>(
+            std::filesystem::directory_iterator(folder.file("")), {});
+    };
+    const auto tells_of_changes = [](const std::filesystem::directory_entry& entry) {
+        return entry.path().string().find("a.csv-metadata.json") != std::string::npos &&
+               std::regex_search(contents(entry.path()), std::regex("\"changes_until_sample\": ?[1-9]"));
+    };
+    while (std::ranges::none_of(partial(), tells_of_changes)) {  // half a second after the last time
+        std::this_thread::sleep_for(std::chrono::milliseconds(50));
+    }
     stream.program.send(SIGKILL);
     stream.program.wait();
-    for (const auto& entry : std::filesystem::directory_iterator(folder.file(""))) {
+    auto left = partial();
+    std::ranges::sort(left, {}, [](const auto& entry) { return entry.last_write_time(); });
+    for (const auto& entry : left) {
         const std::string name = entry.path().string();
         const std::string whole = name.substr(0, name.find(".partial-"));
         if (!std::filesystem::exists(whole)) {  // else it was killed while it wrote newer metadata
