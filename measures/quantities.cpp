@@ -213,10 +213,10 @@ const std::array table{
              [](R run) { return Json(run.static_pressure_pa); }},
     Quantity{G::contacts, "peak_strength_ratio", "", K::number, C::among,
              "largest ratio of a contact's pressure to the strength of its weaker material (`hertzline materials`), or of the one whose "
-             "strength is known; above 1 the model is too elastic, and `run` warns; null where no strength is known",
+             "strength is known; above 1 a real contact would yield or crack, and `run` warns; null where no strength is known",
              [](R run) { return or_null(run.strength_ratio); }},
     Quantity{G::contacts, "peak_overlap_ratio", "", K::number, C::among,
-             "largest overlap over the radius of the contact's smaller sphere; Hertz's law is for less than 0.05, and `run` warns beyond",
+             "largest overlap over the radius of the contact's smaller sphere; Hertz's law holds below 0.05, and `run` warns above that",
              [](R run) { return Json(run.load.overlap_ratio); }},
     Quantity{G::contacts, "contact_events", "", K::count, C::among,
              "openings and closings of all contacts; with `chain.tension = \"clamped\"` also contacts that let go and push again while "

@@ -298,8 +298,8 @@ EXPERIMENTS = [solitary_wave, ends, strikers, dimers, intruder, weight, bands, s
 
 HEAD = """# Chains of spheres against published numbers
 
-This page recomputes published results for chains of spheres other than the paper's device. Published numbers are of theories, experiments and other
-programs, or of an independent solver where a source gives the effect and fewer digits. `scripts/validation.py --program
+This page recomputes published results for chains of spheres other than the paper's device. The published numbers come from theories, experiments and other
+programs. Where a source gives an effect but too few digits, the number comes from an independent solver. `scripts/validation.py --program
 build/release/hertzline --out docs/validation.md` makes this page and its pictures; a test runs it again, and fails where ours is
 farther from the published number than the tolerance. Spheres are of steel, 10 mm, struck with 0.01 m/s, without preload and loss,
 unless stated otherwise. k and m are a contact's stiffness and a sphere's mass, D its diameter, v_m the largest velocity in the wave.
@@ -309,7 +309,7 @@ unless stated otherwise. k and m are a contact's stiffness and a sphere's mass, 
 TAIL = """
 ![A heavy striker sends a train of solitary waves through a chain: velocity of each sphere over time](validation-striker.png)
 
-`hertzline run striker --tap v_chain -o striker.h5`, then `hertzline plot striker.h5`: the velocity of each sphere over time. The striker
+`hertzline run striker --tap v_chain -o striker.h5`, then `hertzline plot striker.h5 -o striker.png`: the velocity of each sphere over time. The striker
 has eight times the mass of a sphere and gives its momentum away in several blows; the wall sends the waves back.
 
 Hutchins and others also found wider bands in longer chains. That is not reproduced here: with the paper's damping the band is widest

@@ -19,7 +19,8 @@ constexpr const char* keys_examples =
     "Examples:\n"
     "  hertzline keys laboratory\n"
     "  hertzline keys alice\n"
-    "  hertzline stream paper-stream --bind tcp://*:5573 --curve-key laboratory.key_secret --allow-clients "
+    "  hertzline stream paper-stream --bind \"tcp://*:5573\" --curve-key laboratory.key_secret "
+    "--allow-clients "
     "alice.key\n"
     "  hertzline listen --connect tcp://HOST:5573 --curve-key alice.key_secret --server-key laboratory.key";
 

@@ -31,7 +31,7 @@ namespace hertzline::app {
 namespace {
 
 constexpr const char* man_examples =
-    "PAGE is a subcommand, or scene for the keys of scene files; without it the page is the program's. "
+    "PAGE is a subcommand, or scene for the keys of scene files; without PAGE, the program's own page. "
     "Without "
     "-o the page is printed, as the source that man formats.\n"
     "Examples:\n"

@@ -13,7 +13,7 @@ namespace hertzline {
 /// the quantity and the unit that the scene leaves open. The strongest line becomes drive.frequency_hz, also of samples that the scene has
 /// itself, unless it is given. The name is taken relative to the folder of the scene's file, that of a --set option to the current folder.
 /// Scenes without such a name stay as they are. @param warn takes sentences about the file, which begin with the scene's name
-/// @returns the fault of a file that is none, is too long or has gaps
+/// @returns the fault of a file that is missing, is not a recording, is too long or has gaps; nothing where there is none
 std::optional<Fault> read_drive(ParsedScene& parsed,
                                 const std::function<void(const std::string&)>& warn = {});
 

@@ -25,7 +25,7 @@ struct Ledger {
     /// The rest of it: in the fluid.
     double radiated() const noexcept { return passed - plate_lost - plate_held; }
 
-    /// Adds so many others.
+    /// Adds every entry of other, multiplied by times.
     void add(const Ledger& other, double times) noexcept {
         for (double Ledger::*entry :
              {&Ledger::work, &Ledger::gross_work, &Ledger::lost, &Ledger::at_start, &Ledger::kinetic_at_start,

@@ -42,8 +42,8 @@ struct StepAdvice {
     double estimated_error = 0;          ///< relative L2, of the worst velocity at that step
     double largest_stable_step_s = 0;    ///< with the largest overlaps of the pilots
     bool accuracy_met = true;            ///< false: not even the smallest step tried can be shown to
-    int pilots = 0;                      ///< run to find this out, beside the reference,
-    double pilot_duration_s = 0;         ///< each over this simulated time
+    int pilots = 0;                      ///< number of pilot runs that it took, in addition to the reference
+    double pilot_duration_s = 0;         ///< simulated time that each pilot covers [s]
 };
 
 /// The motion that pilots have seen.

@@ -30,7 +30,7 @@ using Json = nlohmann::ordered_json;
 /// Warnings, a sentence each.
 using Warnings = std::vector<std::string>;
 
-/// A tap's samples from the start to the end, and their spectrum.
+/// A tap's samples from the start to the end, one number each in the tap's unit, and their spectrum. Of an array: its middle element.
 struct TapRecord {
     Tap tap;
     std::vector<double> values;
@@ -58,7 +58,7 @@ struct Run {
     std::optional<Scene> last_scene;  ///< at the end, if the scene changed on the way
 
     std::vector<TapRecord> taps;         ///< v_out, then the other measured taps
-    std::vector<double> v_out_smooth;    ///< with a plate: v_out as if the last contact never opened
+    std::vector<double> v_out_smooth;    ///< with a plate: v_out as if the last contact never opened [m/s]
     double peak_v_last = 0;              ///< [m/s]
     double peak_p_points = 0;            ///< at the loudest of the scene's points [Pa]
     std::vector<double> peaks_p_points;  ///< at each of them [Pa]

@@ -36,7 +36,7 @@ public:
     const ChannelCounts& counts() const noexcept { return counts_; }
     std::size_t spheres() const noexcept { return counts_.spheres; }
     std::size_t channels(Tap tap) const noexcept { return channels_of(tap, counts_); }
-    TapSet taps() const noexcept { return taps_; }  ///< there is room for
+    TapSet taps() const noexcept { return taps_; }  ///< the taps for which the block has room
 
     /// The tap's values, row-major [sample][channel], in its unit; empty for a tap without room.
     std::span<const double> operator[](Tap tap) const noexcept {

@@ -52,14 +52,14 @@ struct Drive {
     double repetition_hz = 0;  ///< bursts a second; 0: a single burst
     std::optional<double> sweep_to_hz =
         {};              ///< the frequency at the burst's end, to which it changes steadily; unset: it stays
-    double start_s = 0;  ///< until the first burst
+    double start_s = 0;  ///< time before the first burst; of a live drive, its latency
     std::optional<std::string> file = {};        ///< of a record that is still to be read: drive_record.hpp
     std::optional<std::string> column = {};      ///< of the file; unset: the first
     std::optional<DriveQuantity> quantity = {};  ///< that was recorded; unset: displacement
-    std::optional<double> sample_rate_hz = {};   ///< of the record
+    std::optional<double> sample_rate_hz = {};   ///< of the record; unset: the file's, or live the output's
     std::optional<double> scale = {};  ///< metres, or metres a second, for each unit of the record; unset: 1
     std::optional<double> lowpass_hz = {};  ///< unset: a third of the rate, at most 1 MHz
-    std::vector<double> samples = {};       ///< the record
+    std::vector<double> samples = {};       ///< the record; times scale [m] or [m/s], by quantity
     /// Of a live drive, whose frequency_hz, cycles and amplitude_m declare the drive for which the step is chosen.
     std::string endpoint = "tcp://127.0.0.1:5575";
     DriveSocket socket = DriveSocket::pull;
@@ -130,7 +130,7 @@ struct Medium {
 struct Array {
     std::vector<double> x_m = {};  ///< of the discs' centres, in the plane of the baffle
     std::vector<double> y_m = {};
-    std::vector<double> delays_s = {};  ///< of the elements' drives, beside drive.start_s
+    std::vector<double> delays_s = {};  ///< of the elements' drives, added to drive.start_s
     std::vector<double> preloads_n = {};
     std::vector<double> amplitudes_m = {};
     std::vector<std::string> materials = {};  ///< of the spheres

@@ -21,7 +21,7 @@ struct ChainState;
 class PiecewiseMotion;
 class Solver;
 
-/// Whether the integration still stands.
+/// State of the integration.
 // clang-format off
 enum class [[nodiscard]] Status {
     running,

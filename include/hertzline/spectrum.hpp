@@ -37,15 +37,15 @@ struct SpectrumSummary {
     double lowest_hz = 0;  ///< bands and the strongest frequency are looked for from here upward
     std::vector<double>
         harmonics;  ///< amplitudes V_k at k = 1, 2, ... up to ten or Nyquist, as in MagnitudeSpectrum
-    std::vector<double> harmonics_db;      ///< the same [dB] under the largest of them
-    std::optional<double> subharmonic_db;  ///< at f/2; [dB] under the largest harmonic
+    std::vector<double> harmonics_db;      ///< the same [dB] relative to the largest of them
+    std::optional<double> subharmonic_db;  ///< at f/2; [dB] relative to the largest harmonic
     /// sqrt(sum_{k>=2} V_k^2) / sqrt(sum_{k>=1} V_k^2), over the same; absent where there is one alone
     std::optional<double> thd_r;
     std::optional<double> thd_f;  ///< sqrt(sum_{k>=2} V_k^2) / V_1; absent where V_1 is 0, and as thd_r
     std::optional<double> strongest_hz;  ///< where the spectrum has its maximum from lowest_hz upward
-    std::optional<double> dc_db;         ///< at 0 Hz; [dB] under that maximum
+    std::optional<double> dc_db;         ///< at 0 Hz; [dB] relative to that maximum
     std::optional<double>
-        below_db;                   ///< largest level below lowest_hz, 0 Hz included; [dB] under that maximum
+        below_db;  ///< largest level below lowest_hz, 0 Hz included; [dB] relative to that maximum
     std::optional<Band> band_6db;   ///< at least 10^(-6/20) of that maximum, from lowest_hz upward
     std::optional<Band> band_20db;  ///< the same with 10^(-20/20)
 };

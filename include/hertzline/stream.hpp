@@ -21,7 +21,7 @@ namespace hertzline {
 
 /// Options of publish().
 struct PublishOptions {
-    /// tcp://HOST:PORT or ipc://PATH; port * is a free one.
+    /// tcp://HOST:PORT or ipc://PATH; port 0 or *: any free one. Not encrypted: whoever reaches the endpoint can subscribe.
     std::string endpoint = "tcp://127.0.0.1:5573";
     std::optional<double> duration_s{};  ///< simulated time; unset: until stopped
     bool wait_for_subscriber = false;    ///< sample 0 waits for the first subscriber
@@ -57,7 +57,7 @@ struct ListenOptions {
     /// A longer silence ends listening [s]; unset: 15 s once samples have come, no limit before.
     std::optional<double> timeout_s{};
     std::function<void(const std::string&)> notify = {};  ///< takes notices: a gap, a failed handshake
-    /// Certificates of this client (secret) and of the publisher, for an encrypted stream: both or none.
+    /// Paths of this client's secret key file and of the publisher's public key file, for an encrypted stream: both or none.
     std::string curve_key{}, server_key{};
 };
 

@@ -27,7 +27,7 @@ enum class Tap : unsigned {
     v_face,    ///< of a modal plate's face, its mean [m/s]
     p_axis,    ///< pressure at the hydrophone on the axis of a modal plate [Pa]
     f_chain,  ///< forces of all contacts, positive when they push [N], row-major [sample][contact], horn side first
-    p_points,  ///< pressures at output.points_m before a modal plate [Pa], row-major [sample][point]
+    p_points,  ///< pressures at output.points_m in front of a modal plate [Pa], row-major [sample][point]
 };
 
 /// How many channels a tap has: one for each element of an array, ...

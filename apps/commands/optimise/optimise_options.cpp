@@ -22,7 +22,7 @@ constexpr const char* optimise_examples =
     "searches start from its best points, then larger samples follow, until the evaluations are used up. "
     "FILE "
     "has all of them, as a table of a sweep. The summary compares the best point with the results of other "
-    "local searches, and has its values 1 % and 5 % beside it.\n"
+    "local searches, and gives the values 1 % and 5 % away from it.\n"
     "Examples:\n"
     "  hertzline optimise paper-vitreous-carbon --vary end.thickness_m=0.1e-3..2e-3:log \\\n"
     "      --vary chain.preload_n=0.01..2:log --maximise occupied_20db_hz \\\n"

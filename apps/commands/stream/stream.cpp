@@ -42,7 +42,7 @@ constexpr const char* stream_examples =
     "Streams: v_out, v_last, v_plate, v_chain, v_horn, x_horn, f_first, f_last, f_chain, each as NAME/np and "
     "NAME/raw; "
     "of a modal plate v_centre, v_face, p_axis and p_points instead of v_plate.\n"
-    "Topics beside them: meta, meters, end.\n"
+    "Further topics: meta, meters, end.\n"
     "Ctrl-C ends the stream with recordings saved and a summary.\n"
     "Examples:\n"
     "  hertzline stream paper-stream\n"

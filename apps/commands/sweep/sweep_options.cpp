@@ -199,7 +199,7 @@ void add_point_options(CLI::App& app, SweepOptions& options) {
         ->check(missing_name)
         ->type_name("FILE");
     add_repeatable_option(app, "--measure", options.measures,
-                          "measure these outputs beside v_out, as run does")
+                          "measure these outputs in addition to v_out, as run does")
         ->delimiter(',')
         ->type_name("OUTPUT,...");
     app.add_option("--band-from", options.band_from_hz,
