@@ -179,7 +179,7 @@ class Scenes(InAFolder):
         self.assertRegex(found.pop("warnings")[0], "contacts press harder than their materials bear: .*aluminium yields")
         self.assertEqual(found, {key: said[key] for key in found})
         self.assertGreater(len(found), 30)
-        warnings = hertzline.scene("paper-vitreous-carbon", output={"duration_s": 1e-5}).check()["warnings"]
+        warnings = hertzline.scene("paper-vitreous-carbon", output={"duration_s": 2e-6}).check()["warnings"]
         self.assertTrue(any("the wave needs about" in warning for warning in warnings), warnings)
 
     def test_a_live_scene_is_checked_and_not_run(self):
