@@ -79,8 +79,9 @@ Json sigmf_extensions() {
 }
 
 bool names_a_neighbour(const std::string& text) {
-    return !text.empty() && text != "." && text != ".." && text.find('/') == std::string::npos &&
-           is_plain(text);
+    constexpr std::size_t longest = 255;  // bytes, in the file systems of Linux
+    return !text.empty() && text.size() <= longest && text != "." && text != ".." &&
+           text.find('/') == std::string::npos && is_plain(text);
 }
 
 std::optional<std::string> sha512_of(InputFile& file, const ArchivedFile& part,

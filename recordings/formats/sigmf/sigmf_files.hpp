@@ -50,7 +50,7 @@ private:
     std::size_t before_last_ = 0;
 };
 
-/// Whether the text may name a file beside a SigMF file: UTF-8 without folders and control characters.
+/// Whether the text may name a file beside a SigMF file: UTF-8 of at most 255 bytes, without folders and control characters.
 bool names_a_neighbour(const std::string& text);
 
 /// Returns the SHA-512 of a part of a file in hexadecimal digits; nothing once `stop` is true (null: never). Leaves the file at its end.

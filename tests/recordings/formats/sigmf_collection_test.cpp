@@ -234,8 +234,10 @@ TEST_F(SigmfCollection, RecordingsThatDoNotGoTogetherAreRefused) {
 }
 
 TEST_F(SigmfCollection, NothingOutsideItsFolderIsOpened) {
-    for (const char* name : {"../a", "/etc/passwd", "sub/a", "", "a\\u0000b", "a\\u001b[2J"}) {
-        write_text(file, R"({"collection": {"core:streams": [{"name": ")" + std::string(name) + R"("}]}})");
+    const std::string no_file(256, 'a');
+    for (const std::string& name :
+         std::vector<std::string>{"../a", "/etc/passwd", "sub/a", "", "a\\u0000b", "a\\u001b[2J", no_file}) {
+        write_text(file, R"({"collection": {"core:streams": [{"name": ")" + name + R"("}]}})");
         EXPECT_THAT(error_of([&] { open_sigmf_collection_reader(file); }),
                     HasSubstr("allowed: the name of a recording in the same folder"))
             << name;
