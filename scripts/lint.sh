@@ -7,6 +7,10 @@
 set -euo pipefail
 cd "$(dirname "$0")/.."
 mode=${1:-}
+case "$mode" in
+'' | --changed | --format | --fix) ;;
+*) echo "lint.sh: found $mode, allowed: --changed, --format, --fix" >&2 && exit 2 ;;
+esac
 most_sources=10
 sources_of_modules=({include,core,measures,recordings,studies,stream,scope,apps}/'*.'[ch]pp)
 
