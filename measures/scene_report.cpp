@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <iterator>
 #include <numbers>
 #include <optional>
 #include <type_traits>
@@ -347,6 +348,15 @@ std::vector<std::string> contact_warnings(const Scene& scene, const std::optiona
     if (run.strength_warning) {
         warnings.push_back(*run.strength_warning);
     }
+    return warnings;
+}
+
+std::vector<std::string> check_warnings(const Scene& scene, const std::optional<PeakOverlaps>& peaks) {
+    std::vector<std::string> warnings = contact_warnings(scene, peaks);
+    if (auto late = late_wave_warning(scene)) {
+        warnings.push_back(*std::move(late));
+    }
+    std::ranges::move(late_sound_warnings(scene), std::back_inserter(warnings));
     return warnings;
 }
 

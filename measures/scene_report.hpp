@@ -40,6 +40,9 @@ std::optional<PeakOverlaps> peak_overlaps(const Scene& scene, double duration_s)
 /// rest where overlaps are not known.
 std::vector<std::string> contact_warnings(const Scene& scene, const std::optional<PeakOverlaps>& peaks);
 
+/// The same, and warnings of a run that ends before its wave or its sound arrives: those of `check`.
+std::vector<std::string> check_warnings(const Scene& scene, const std::optional<PeakOverlaps>& peaks);
+
 /// In the order in which they are best read. @param peaks overlaps at their largest [m], where they are known
 std::vector<ReportRow> scene_report(const Resolution& resolved, const std::optional<PeakOverlaps>& peaks);
 

@@ -146,7 +146,7 @@ bool RecordingThread::try_write(const SharedRows& rows) {
 bool RecordingThread::wait_for_progress(Duration most) {
     std::unique_lock lock(shared_->mutex);
     const std::int64_t before = shared_->numbers;
-    const auto progressed = [&] {  // what was full may have become empty since
+    const auto progressed = [&] {  // a queue that was full may be empty by now
         return shared_->numbers != before || (shared_->queue.empty() && shared_->result.failure.empty());
     };
     shared_->done.wait_for(lock, most, [&] { return progressed() || shared_->over; });

@@ -1,7 +1,6 @@
 // hertzline check: validates a scene and reports its properties.
 
 #include <algorithm>
-#include <iterator>
 #include <memory>
 #include <string>
 #include <variant>
@@ -15,7 +14,6 @@
 #include "apps/commands/preflight.hpp"
 #include "apps/commands/publish_session.hpp"
 #include "apps/console/output.hpp"
-#include "core/model/validity.hpp"
 #include "core/scene/text.hpp"
 #include "hertzline/scene_file.hpp"
 #include "measures/resources.hpp"
@@ -94,12 +92,7 @@ Exit check(const CheckOptions& options) {
     const Scene& scene = resolved.scene;
     const auto peaks =
         measures::peak_overlaps(scene, std::min(scene.output.duration_s, measures::first_burst_s(scene)));
-    std::vector<std::string> warnings = measures::contact_warnings(scene, peaks);
-    if (auto late = late_wave_warning(scene)) {
-        warnings.push_back(*std::move(late));
-    }
-    std::ranges::move(late_sound_warnings(scene), std::back_inserter(warnings));
-    for (const std::string& text : warnings) {
+    for (const std::string& text : measures::check_warnings(scene, peaks)) {
         spdlog::warn("{}: {}", printable(options.scene.scene), text);
     }
     std::vector<ReportRow> report = measures::scene_report(resolved, peaks);

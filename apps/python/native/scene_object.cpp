@@ -11,7 +11,6 @@
 #include "apps/python/native/module.hpp"
 #include "apps/python/native/python_values.hpp"
 #include "core/model/drive.hpp"
-#include "core/model/validity.hpp"
 #include "core/scene/json.hpp"
 #include "core/scene/scene_json.hpp"
 #include "core/scene/scene_key.hpp"
@@ -91,11 +90,7 @@ py::object check(SceneObject& object) {
         const auto peaks =
             measures::peak_overlaps(scene, std::min(scene.output.duration_s, measures::first_burst_s(scene)));
         report = measures::scene_report(*resolved, peaks);
-        std::ranges::move(measures::contact_warnings(scene, peaks), std::back_inserter(warnings));
-        if (auto late = late_wave_warning(scene)) {
-            warnings.push_back(*std::move(late));
-        }
-        std::ranges::move(late_sound_warnings(scene), std::back_inserter(warnings));
+        std::ranges::move(measures::check_warnings(scene, peaks), std::back_inserter(warnings));
     });
     Json json = measures::report_json(report);
     json["scene_hash"] = scene_hash(scene);
